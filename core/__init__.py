@@ -1,0 +1,1 @@
+"""What is true without any web service: geometry and its vocabulary."""

@@ -1,0 +1,1 @@
+"""Kernels and small functions on raw arrays; lengths in mm."""

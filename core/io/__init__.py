@@ -1,0 +1,1 @@
+"""One file per format and a registry: bytes to Mesh and back."""

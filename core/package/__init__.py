@@ -1,0 +1,1 @@
+"""The delivered zip: files, manifest, README."""

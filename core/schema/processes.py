@@ -1,0 +1,69 @@
+"""The catalogue of processes: ids, titles, inputs, outputs. `core.processes` holds a handler for each of them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from core.schema.model import FrozenModel
+from core.schema.shells import ShellsInputs
+from core.schema.validate import ValidateInputs
+
+MediaType = Literal["application/zip", "application/json", "text/html", "model/stl"]
+
+
+class OutputDescription(FrozenModel):
+    """One output of a process."""
+
+    title: str
+    media_type: MediaType
+    description: str
+
+
+class ProcessDescription(FrozenModel):
+    """What a client needs to know before it sends a job."""
+
+    id: str
+    version: str
+    title: str
+    description: str
+    keywords: tuple[str, ...]
+    inputs: type[FrozenModel]
+    outputs: dict[str, OutputDescription]
+    names_layers: bool = False
+    """True if every layer asked for is an output of its own besides (`results/fat`), ready to be chained."""
+
+
+_REPORT = OutputDescription(title="Report", media_type="application/json", description="Numbers and findings, see docs")
+_REPORT_HTML = OutputDescription(
+    title="Report for people", media_type="text/html", description="Self-contained page with figures"
+)
+
+VALIDATE = ProcessDescription(
+    id="validate",
+    version="1.0.0",
+    title="Validate meshes",
+    description="Prove that surfaces are closed, manifold, outward, free of self-intersection, nested and apart, "
+    "with exact predicates; verdict simulation_ready or not_ready.",
+    keywords=("validation", "manifold", "self-intersection", "nesting"),
+    inputs=ValidateInputs,
+    outputs={"report": _REPORT, "report_html": _REPORT_HTML},
+)
+SHELLS = ProcessDescription(
+    id="shells",
+    version="1.0.0",
+    title="Create nested shells",
+    description="Closed nested layers at given depths below the skin, thinner where anatomy is thin, proven free of "
+    "intersections of any kind in the delivered files.",
+    keywords=("shells", "skin", "fat", "average body", "offset"),
+    inputs=ShellsInputs,
+    outputs={
+        "package": OutputDescription(
+            title="Package", media_type="application/zip", description="Meshes, solver files, manifest and report"
+        ),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+        "skin": OutputDescription(title="Skin", media_type="model/stl", description="The skin as delivered, float32"),
+    },
+    names_layers=True,
+)
+PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS)}

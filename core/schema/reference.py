@@ -1,0 +1,24 @@
+"""Input mesh references: an uploaded mesh, or an output of an earlier job."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from core.schema.model import FrozenModel
+
+MESH_HREF = r"/v1/meshes/[0-9a-f-]{36}"
+RESULT_HREF = r"/v1/jobs/[0-9a-f-]{36}/results/[A-Za-z0-9_.-]{1,64}"
+
+
+class MeshReference(FrozenModel):
+    """A link to a mesh this server holds. Absolute URLs of this server are accepted: only the path counts."""
+
+    href: str = Field(
+        description="`/v1/meshes/{id}` or `/v1/jobs/{id}/results/{output}`",
+        max_length=500,
+        pattern=rf"^(https?://[^/]+)?({MESH_HREF}|{RESULT_HREF})$",
+    )
+    type: str | None = Field(None, description="Ignored; OGC clients may send a media type", max_length=200)
+    rel: str | None = Field(None, description="Ignored", max_length=200)
+    title: str | None = Field(None, description="Ignored", max_length=200)
+    hreflang: str | None = Field(None, description="Ignored", max_length=50)

@@ -1,0 +1,100 @@
+"""The report: what was done and what was proven (`report.json`). No wall times, ids or dates: equal jobs give equal bytes."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from core.schema.finding import Finding
+from core.schema.model import FrozenModel
+
+Verdict = Literal["simulation_ready", "not_ready"]
+# the thesis' three cases (Fig. 19), a = master mesh, b = slave mesh
+Relation = Literal["a_inside_b", "b_inside_a", "disjoint", "intersecting", "undetermined"]
+
+
+class QualityNumbers(FrozenModel):
+    """Triangle quality q = 2 r_in / r_out (thesis 2.4.1), 1 for an equilateral triangle."""
+
+    minimum: float
+    percentile_1: float
+    median: float
+    mean: float
+
+
+class EdgeNumbers(FrozenModel):
+    """Edge lengths in mm."""
+
+    minimum_mm: float
+    median_mm: float
+    maximum_mm: float
+
+
+class MeshReport(FrozenModel):
+    """All that is known of one mesh."""
+
+    vertices: int
+    faces: int
+    components: int
+    euler_characteristic: int
+    genus: int | None = Field(description="Sum over the components; null unless closed and manifold")
+    closed: bool = Field(description="Every edge has exactly two faces")
+    edge_manifold: bool = Field(description="No edge has more than two faces")
+    vertex_manifold: bool = Field(description="The faces around every vertex form one fan")
+    consistently_oriented: bool
+    oriented_outward: bool | None = Field(description="null unless closed, manifold and consistently oriented")
+    degenerate_faces: int
+    duplicate_faces: int
+    self_intersecting_pairs: int = Field(description="Exact: pairs of faces that meet other than in shared corners and edges")
+    area_mm2: float
+    volume_mm3: float | None = Field(description="null unless closed")
+    extents_mm: tuple[float, float, float]
+    quality: QualityNumbers
+    edges: EdgeNumbers
+    minimum_dihedral_deg: float | None = Field(description="Smallest angle between two neighbouring faces, 180 is flat")
+    sha256: str | None = Field(None, description="Of the delivered STL, if the mesh is in a package")
+
+
+class PairReport(FrozenModel):
+    """Two meshes of the set against each other."""
+
+    a: str
+    b: str
+    relation: Relation
+    intersecting_pairs: int = Field(description="Exact number of intersecting face pairs")
+    case_1: int = Field(description="Thesis Fig. 19: faces of b cross the plane region of a face of a by their edges")
+    case_2: int = Field(description="Thesis Fig. 19: the edges of both faces cross the other")
+    case_3: int = Field(description="Thesis Fig. 19: edges of the face of a cross the face of b")
+    min_gap_mm: float | None = Field(description="Smallest distance between the two surfaces; 0 if they meet")
+    min_gap_point_mm: tuple[float, float, float] | None = None
+
+
+class ThicknessReport(FrozenModel):
+    """How well one layer keeps its depth. Shares are of the layer's area; depth is the Euclidean distance to the skin."""
+
+    target_mm: float = Field(description="Depth asked for outside all regions")
+    on_target_area: float = Field(ge=0, le=1, description="Within 5 % of the local target")
+    limited_area: float = Field(ge=0, le=1, description="Off target where the reach does not allow the target")
+    missed_area: float = Field(ge=0, le=1, description="Off target although the reach would allow it")
+    min_mm: float
+    max_mm: float
+    percentiles_mm: dict[str, float] = Field(description='Keys "1", "5", "25", "50", "75", "95", "99"')
+
+
+class Report(FrozenModel):
+    """The whole report of a job."""
+
+    process: str
+    verdict: Verdict
+    summary: str = Field(description="One sentence for people")
+    meshes: dict[str, MeshReport] = {}
+    pairs: tuple[PairReport, ...] = ()
+    thickness: dict[str, ThicknessReport] = {}
+    nesting: dict[str, str | None] = Field({}, description="Mesh name -> the mesh that encloses it most closely, or null")
+    findings: tuple[Finding, ...] = ()
+    changes: tuple[dict[str, Any], ...] = ()
+    methods: str = Field("", description="Citable text of what was done")
+    references: tuple[str, ...] = ()
+    parameters: dict[str, Any] = {}
+    software: dict[str, str] = {}

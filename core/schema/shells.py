@@ -1,0 +1,78 @@
+"""Inputs of the process `shells`."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from core.schema.model import FrozenModel
+from core.schema.reference import MeshReference
+from core.schema.validate import MeshName
+
+DepthMm = Annotated[float, Field(gt=0, le=100, description="Distance below the skin in mm")]
+Coordinates = tuple[float, float, float]
+
+
+class Layer(FrozenModel):
+    """One shell inside the skin."""
+
+    name: MeshName
+    depth_mm: DepthMm
+
+
+class Box(FrozenModel):
+    """An axis-aligned box in mm."""
+
+    min: Coordinates
+    max: Coordinates
+
+    @model_validator(mode="after")
+    def _has_volume(self) -> Box:
+        if any(low >= high for low, high in zip(self.min, self.max, strict=True)):
+            raise ValueError(f"box min {self.min} must be below max {self.max} on every axis")
+        return self
+
+
+class Region(FrozenModel):
+    """A box with its own depths: full inside, blending to the layers' depths across `blend_mm` outside the wall."""
+
+    name: MeshName
+    box_mm: Box
+    depths_mm: Annotated[dict[MeshName, DepthMm], Field(min_length=1)] = Field(description="Layer name -> depth")
+    blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
+
+
+class ShellsInputs(FrozenModel):
+    """A skin and the layers wanted inside it. The defaults are the thesis' full-body case."""
+
+    skin: MeshReference
+    layers: Annotated[tuple[Layer, ...], Field(min_length=1, max_length=16)] = (
+        Layer(name="fat", depth_mm=1.0),
+        Layer(name="average_body", depth_mm=3.0),
+    )
+    regions: Annotated[tuple[Region, ...], Field(max_length=64)] = ()
+    thin_policy: Literal["adapt", "fail"] = Field(
+        "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
+    )
+    min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two shells")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> ShellsInputs:
+        names = [layer.name for layer in self.layers]
+        if len({*names, "skin"}) != len(names) + 1:
+            raise ValueError(f"layer names must differ from each other and from 'skin': {names}")
+        _require_increasing("layers", [layer.depth_mm for layer in self.layers])
+        for region in self.regions:
+            unknown = sorted(set(region.depths_mm) - set(names))
+            if unknown:
+                raise ValueError(f"region '{region.name}' names layers that do not exist: {unknown}")
+            inside = [region.depths_mm.get(layer.name, layer.depth_mm) for layer in self.layers]
+            _require_increasing(f"region '{region.name}'", inside)
+        return self
+
+
+def _require_increasing(where: str, depths_mm: list[float]) -> None:
+    if any(deeper <= shallower for shallower, deeper in pairwise(depths_mm)):
+        raise ValueError(f"{where}: depths must increase inwards, got {depths_mm} mm")

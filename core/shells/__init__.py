@@ -1,0 +1,1 @@
+"""Nested shells below a skin."""

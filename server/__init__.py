@@ -1,0 +1,1 @@
+"""`integument serve`: one command that runs API, worker and a private Valkey from a data folder."""

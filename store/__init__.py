@@ -1,0 +1,1 @@
+"""What is remembered: records, blobs, events, settings. Shared by api and worker."""
