@@ -1,0 +1,1 @@
+"""Real anatomy that ships inside wheels, for demo, tests and benchmarks."""
