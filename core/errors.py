@@ -44,6 +44,7 @@ class IntegumentError(Exception):
         self.findings = findings
         self.report = report
         self.facts: dict[str, Fact] = facts
+        self.outputs: tuple[dict[str, Any], ...] = ()  # files a failed process still left, as in its result (report, report_html)
 
     def describe(self) -> dict[str, Any]:
         """The JSON form that crosses process borders; `revive` reads it back."""
