@@ -1,1 +1,1 @@
-"""Run one function in a child process that may be hostile, hungry or hung, and never harm the parent."""
+"""Untrusted work in limited child processes: a warm fork server, limits, messages. Linux only; knows no queue and no web."""

@@ -1,0 +1,73 @@
+"""Entry of the nursery process: `python -m sandbox.nursery_main SOCKET_FD MODULE...`; started by sandbox.nursery only."""
+
+from __future__ import annotations
+
+import fcntl
+import gc
+import importlib
+import logging
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from core.errors import InternalError
+from sandbox.fork_server import ForkServer, owner_is_gone
+from sandbox.kernel import PR_SET_CHILD_SUBREAPER, set_process_flag
+
+logger = logging.getLogger("sandbox.nursery")
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Preload, then serve until the owner goes."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    owner = socket.socket(fileno=int(arguments[0]))
+    set_process_flag(PR_SET_CHILD_SUBREAPER, 1)
+    die_with(owner)
+    refusal = preload(arguments[1:])
+    signal.signal(signal.SIGIO, signal.SIG_IGN)
+    fcntl.fcntl(owner, fcntl.F_SETFL, fcntl.fcntl(owner, fcntl.F_GETFL) & ~os.O_ASYNC)
+    gc.collect()
+    gc.freeze()  # keeps the collector of every child from copying our pages
+    ForkServer(owner, refusal).serve()
+
+
+def die_with(owner: socket.socket) -> None:
+    """End at once when the owner goes while modules are still loading: nobody reads the socket then, so the kernel signals."""
+
+    def look(_number: int, _frame: object) -> None:
+        if owner_is_gone(owner):
+            os._exit(0)
+
+    signal.signal(signal.SIGIO, look)
+    fcntl.fcntl(owner, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(owner, fcntl.F_SETFL, fcntl.fcntl(owner, fcntl.F_GETFL) | os.O_ASYNC)
+    look(signal.SIGIO, None)
+
+
+def preload(modules: Sequence[str]) -> dict[str, Any] | None:
+    """Import `modules` and run their `warm_up()`; None, or the described error that every request will get."""
+    started = time.monotonic()
+    for name in modules:
+        try:
+            module = importlib.import_module(name)
+            if hasattr(module, "warm_up"):
+                module.warm_up()
+        except BaseException as error:  # the module's author decides what it raises; we must live to say so
+            logger.exception("preload of %s failed", name)
+            return InternalError(
+                "nursery.preload_failed", f"the processes cannot be loaded: {name}: {type(error).__name__}: {error}", module=name
+            ).describe()
+    threads = sum(1 for _ in Path("/proc/self/task").iterdir())
+    if threads > 1:
+        logger.warning("%d threads after the preload: a fork copies only one of them", threads)
+    logger.info("warm after %.2f s: %s", time.monotonic() - started, ", ".join(modules) or "nothing to load")
+    return None
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
