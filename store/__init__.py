@@ -1,1 +1,4 @@
-"""What is remembered: records, blobs, events, settings. Shared by api and worker."""
+"""What outlives a process: settings, the job table, meshes, blobs, events.
+
+Shared by `api` and `worker`; knows nothing of HTTP.
+"""

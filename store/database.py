@@ -1,0 +1,146 @@
+"""One database, SQLite or PostgreSQL, and the transactions on it."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, Engine, create_engine, event, func, make_url, select, text
+from sqlalchemy.orm import Session
+from sqlalchemy.pool import ConnectionPoolEntry
+
+from store.settings import Settings
+
+BUSY_TIMEOUT_S = 10
+MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks have no names
+
+
+class Database:
+    """Thread-safe; opens connections when first used. After a fork the child makes its own."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._url = make_url(settings.database_url)
+        self.is_sqlite = self._url.get_backend_name() == "sqlite"
+        if self.is_sqlite:
+            Path(str(self._url.database)).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self.engine = _sqlite_engine(str(settings.database_url)) if self.is_sqlite else _postgres_engine(settings.database_url)
+        self._reader = self.engine.execution_options(read_only=True)
+
+    @contextmanager
+    def session(self, joined: Session | None = None) -> Iterator[Session]:
+        """One transaction that may write: committed at the end, rolled back on any exception.
+
+        With `joined`, the work becomes part of that transaction and its owner commits."""
+        if joined is not None:
+            yield joined
+            return
+        with Session(self.engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """One transaction that only reads; on SQLite it waits for no writer."""
+        with Session(self._reader) as session, session.begin():
+            yield session
+
+    def now(self, session: Session) -> datetime:
+        """The moment by the clock all users of the database share: leases of many hosts are compared by one clock."""
+        if self.is_sqlite:
+            return datetime.now(UTC)
+        moment: datetime = session.execute(select(func.clock_timestamp())).scalar_one()
+        return moment.astimezone(UTC)
+
+    def migrate(self) -> None:
+        """Bring the tables to what this code expects, in one transaction. Safe to call from several processes at once."""
+        with self._migrating() as config:
+            command.upgrade(config, "head")
+
+    def revert(self, revision: str) -> None:
+        """Bring the tables back to an older revision, `base` for none at all; what the older tables cannot hold is lost."""
+        with self._migrating() as config:
+            command.downgrade(config, revision)
+
+    @contextmanager
+    def _migrating(self) -> Iterator[Config]:
+        with self.engine.begin() as connection:
+            if not self.is_sqlite:
+                connection.execute(select(func.pg_advisory_xact_lock(MIGRATION_LOCK)))
+            yield _alembic(connection)
+
+    def is_migrated(self) -> bool:
+        """True if the tables are those this code expects."""
+        with self._reader.connect() as connection:
+            current = MigrationContext.configure(connection).get_current_revision()
+            return current == ScriptDirectory.from_config(_alembic(connection)).get_current_head()
+
+    def ping(self) -> None:
+        """Raise what the driver raises if the database does not answer."""
+        with self.reading() as session:
+            session.execute(text("SELECT 1"))
+
+    def close(self) -> None:
+        """Close idle connections; the object can still be used."""
+        self.engine.dispose()
+
+
+def _alembic(connection: Connection) -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations").replace("%", "%%"))
+    config.set_main_option("path_separator", "os")
+    config.attributes["connection"] = connection
+    return config
+
+
+_to_json = partial(json.dumps, ensure_ascii=False, allow_nan=False)
+
+
+def _postgres_engine(url: str) -> Engine:
+    return create_engine(
+        make_url(url).set(drivername="postgresql+psycopg"),
+        pool_pre_ping=True,
+        pool_size=10,
+        max_overflow=30,
+        hide_parameters=True,
+        json_serializer=_to_json,
+        connect_args={
+            "connect_timeout": BUSY_TIMEOUT_S,
+            "application_name": "integument",
+            "options": f"-c timezone=UTC -c lock_timeout={BUSY_TIMEOUT_S}s -c idle_in_transaction_session_timeout=60s",
+        },
+    )
+
+
+def _sqlite_engine(url: str) -> Engine:
+    # isolation_level None: the driver begins nothing by itself, we say which kind of transaction it is
+    engine = create_engine(
+        url,
+        hide_parameters=True,
+        pool_size=10,
+        max_overflow=30,
+        json_serializer=_to_json,
+        connect_args={"isolation_level": None, "timeout": BUSY_TIMEOUT_S},
+    )
+
+    @event.listens_for(engine, "connect")
+    def _configure(connection: sqlite3.Connection, _entry: ConnectionPoolEntry) -> None:
+        cursor = connection.cursor()
+        for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):  # FULL: what was accepted survives a power cut
+            cursor.execute(f"PRAGMA {pragma}")
+        cursor.close()
+
+    @event.listens_for(engine, "begin")
+    def _begin(connection: Connection) -> None:
+        options: dict[str, Any] = dict(connection.get_execution_options())
+        connection.exec_driver_sql("BEGIN" if options.get("read_only") else "BEGIN IMMEDIATE")
+
+    return engine

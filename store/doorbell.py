@@ -1,0 +1,43 @@
+"""Tell the workers that a job waits. The message is a hint: the job table is the truth, and who finds no job drops it."""
+
+from __future__ import annotations
+
+import logging
+
+from celery import Celery
+from kombu.exceptions import OperationalError
+
+TASK = "jobs.run"
+PUBLISH_S = 1.0
+
+_log = logging.getLogger(__name__)
+
+
+class Doorbell:
+    """Sends the id and attempt of a job to a queue, nothing else. Thread-safe; connects when first rung."""
+
+    def __init__(self, broker_url: str, queue: str = "jobs") -> None:
+        self._queue = queue
+        self._app = Celery("integument.doorbell", broker=broker_url, set_as_current=False)
+        self._app.conf.update(
+            task_serializer="json",
+            task_ignore_result=True,
+            task_publish_retry=False,
+            broker_connection_timeout=PUBLISH_S,
+            broker_transport_options={"socket_timeout": PUBLISH_S, "socket_connect_timeout": PUBLISH_S},
+        )
+
+    def ring(self, job_id: str, attempt: int) -> bool:
+        """False if the broker did not take the message within about a second; the reconciler rings again later."""
+        try:
+            self._app.send_task(
+                TASK, kwargs={"job_id": job_id, "attempt": attempt}, queue=self._queue, serializer="json", ignore_result=True
+            )
+        except OperationalError as error:
+            _log.warning("broker does not answer, job %s attempt %d is announced later: %s", job_id, attempt, error)
+            return False
+        return True
+
+    def close(self) -> None:
+        """Close the connections."""
+        self._app.close()

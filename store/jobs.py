@@ -1,0 +1,149 @@
+"""The job table as its users see it: accept, look up, list, dismiss, retry; claims and reconciliation come with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+from uuid import uuid4
+
+from sqlalchemy import ColumnElement, func, select, tuple_
+from sqlalchemy.orm import Session
+
+from core.errors import StateError
+from store.claims import Claims
+from store.job import Job, JobStatus, MeshInput
+from store.page import Page, from_cursor, to_cursor
+from store.reconciliation import Reconciliation
+from store.records import JobInputRow, JobRow
+from store.storable import storable
+from store.transition import announce, end_dismissed, locked, queue_again, snapshot
+
+
+class Jobs(Claims, Reconciliation):
+    """Every state change commits together with its event. Thread-safe."""
+
+    def create(
+        self,
+        process: str,
+        inputs: Mapping[str, Any],
+        *,
+        mesh_inputs: Iterable[MeshInput] = (),
+        max_attempts: int = 2,
+        session: Session | None = None,
+    ) -> Job:
+        """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that."""
+        with self._db.session(session) as work:
+            now = self._db.now(work)
+            row = JobRow(
+                id=str(uuid4()),
+                process=process,
+                inputs=storable(dict(inputs)),
+                status=JobStatus.ACCEPTED,
+                phase="",
+                progress=0.0,
+                message="waits for a worker",
+                attempt=1,
+                max_attempts=max_attempts,
+                lease_token=0,
+                dismiss_requested=False,
+                created_at=now,
+                queued_at=now,
+                updated_at=now,
+                timings_s={},
+                event_seq=0,
+                mesh_inputs=[
+                    JobInputRow(
+                        href=mesh.href,
+                        name=mesh.name,
+                        sha256=mesh.sha256,
+                        media_type=mesh.media_type,
+                        file_name=mesh.file_name,
+                    )
+                    for mesh in {mesh.href: mesh for mesh in mesh_inputs}.values()
+                ],
+            )
+            work.add(row)
+            work.flush()  # the job before its event, which refers to it
+            announce(work, row, now)
+            work.flush()
+            return snapshot(row)
+
+    def get(self, job_id: str) -> Job:
+        """Raises StateError `job.not_found`."""
+        with self._db.reading() as session:
+            return snapshot(_known(session.get(JobRow, job_id), job_id))
+
+    def list(
+        self,
+        *,
+        status: Iterable[str] = (),
+        process: Iterable[str] = (),
+        limit: int = 50,
+        cursor: str | None = None,
+    ) -> Page[Job]:
+        """Newest first; several statuses or processes mean any of them. Raises InputError `cursor.invalid`."""
+        query = select(JobRow).order_by(JobRow.created_at.desc(), JobRow.id.desc()).limit(limit + 1)
+        if statuses := tuple(status):
+            query = query.where(JobRow.status.in_(statuses))
+        if processes := tuple(process):
+            query = query.where(JobRow.process.in_(processes))
+        if cursor is not None:
+            query = query.where(tuple_(JobRow.created_at, JobRow.id) < from_cursor(cursor))
+        with self._db.reading() as session:
+            rows = session.scalars(query).all()
+            more = len(rows) > limit
+            items = tuple(snapshot(row) for row in rows[:limit])
+            return Page(items, to_cursor(items[-1].created_at, items[-1].id) if more else None)
+
+    def queue_position(self, job_id: str) -> int | None:
+        """1 for the job that is next; None if the job does not wait."""
+        with self._db.reading() as session:
+            row = _known(session.get(JobRow, job_id), job_id)
+            if row.status != JobStatus.ACCEPTED:
+                return None
+            earlier: ColumnElement[bool] = tuple_(JobRow.queued_at, JobRow.id) < (row.queued_at, row.id)
+            waiting = select(func.count()).select_from(JobRow).where(JobRow.status == JobStatus.ACCEPTED, earlier)
+            return session.execute(waiting).scalar_one() + 1
+
+    def dismiss(self, job_id: str) -> Job:
+        """Take a job back: one that waits at once, a running one as soon as its worker has killed it (`dismiss_requested`).
+
+        A finished one is removed, rows and events; its files go with the next sweep. Returns the job as the user should see it:
+        removed ones as `dismissed`. Raises StateError `job.not_found`."""
+        with self._db.session() as session:
+            row = _known(locked(session, job_id), job_id)
+            now = self._db.now(session)
+            status = JobStatus(row.status)
+            if status is JobStatus.ACCEPTED:
+                end_dismissed(session, row, now)
+            elif status is JobStatus.RUNNING:
+                if not row.dismiss_requested:
+                    row.dismiss_requested, row.message = True, "is being dismissed"
+                    announce(session, row, now)
+            else:
+                job = replace(snapshot(row), status=JobStatus.DISMISSED, message="removed")
+                session.delete(row)
+                return job
+            return snapshot(row)
+
+    def retry(self, job_id: str) -> Job:
+        """Queue a failed or dismissed job again, for one attempt more. Raises StateError `job.not_found`, `job.not_retryable`."""
+        with self._db.session() as session:
+            row = _known(locked(session, job_id), job_id)
+            if row.status not in (JobStatus.FAILED, JobStatus.DISMISSED):
+                raise StateError(
+                    "job.not_retryable",
+                    f"job {job_id} is {row.status}; only failed and dismissed jobs can be retried",
+                    job=job_id,
+                    status=str(row.status),
+                )
+            row.max_attempts = max(row.max_attempts, row.attempt + 1)
+            queue_again(session, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(session))
+            return snapshot(row)
+
+
+def _known(row: JobRow | None, job_id: str) -> JobRow:
+    if row is None:
+        raise StateError("job.not_found", f"there is no job {job_id}", job=job_id)
+    return row

@@ -1,0 +1,62 @@
+"""From a link in a job's inputs to the bytes it stands for, at the moment the job is accepted."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+from core.errors import InputError, StateError
+from core.schema.reference import MESH_HREF, RESULT_HREF
+from store.blobs import Blobs
+from store.database import Database
+from store.job import JobStatus, MeshInput
+from store.jobs import Jobs
+from store.meshes import CANONICAL_MEDIA_TYPE, Meshes
+
+MESH_MEDIA_TYPES = (CANONICAL_MEDIA_TYPE, "model/stl")
+_HREF = re.compile(rf"(?:https?://[^/]+)?(?P<path>{MESH_HREF}|{RESULT_HREF})")
+
+
+class MeshInputs:
+    """Resolves `/v1/meshes/{id}` and `/v1/jobs/{id}/results/{output}`."""
+
+    def __init__(self, db: Database, blobs: Blobs) -> None:
+        self._blobs = blobs
+        self._meshes = Meshes(db, blobs)
+        self._jobs = Jobs(db)
+
+    def resolve(self, href: str) -> MeshInput:
+        """The mesh behind a link; its blob is made young, so it outlives any sweep until the job's row refers to it.
+
+        Raises InputError `reference.invalid` (no such link here), `reference.not_found` (nothing there),
+        `reference.not_ready` (that job has not succeeded), `reference.not_a_mesh` (that output is no mesh)."""
+        match = _HREF.fullmatch(href)
+        if match is None:
+            raise InputError("reference.invalid", f"{href!r} is no link to a mesh or a result of this server", href=href)
+        parts = match["path"].split("/")
+        try:
+            mesh = self._upload(href, parts[3]) if parts[2] == "meshes" else self._result(href, parts[3], parts[5])
+        except StateError:
+            raise InputError("reference.not_found", f"there is nothing at {match['path']}", href=href) from None
+        if not self._blobs.touch(mesh.sha256):
+            raise InputError("reference.not_found", f"the bytes of {match['path']} are gone", href=href)
+        return mesh
+
+    def _upload(self, href: str, mesh_id: str) -> MeshInput:
+        record = self._meshes.get(mesh_id)
+        return MeshInput(href, record.name, record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name)
+
+    def _result(self, href: str, job_id: str, name: str) -> MeshInput:
+        job = self._jobs.get(job_id)
+        if job.status is not JobStatus.SUCCESSFUL:
+            raise InputError(
+                "reference.not_ready", f"job {job_id} is {job.status}, it has no results to build on", href=href, job=job_id
+            )
+        output = job.outputs.get(name)
+        if output is None:
+            raise InputError(
+                "reference.not_found", f"job {job_id} has no output '{name}', only {', '.join(job.outputs)}", href=href
+            )
+        if output.media_type not in MESH_MEDIA_TYPES:
+            raise InputError("reference.not_a_mesh", f"output '{name}' is {output.media_type}, not a mesh", href=href)
+        return MeshInput(href, PurePath(output.file_name).stem, output.sha256, output.media_type, output.file_name)

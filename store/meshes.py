@@ -1,0 +1,134 @@
+"""Uploaded meshes: what was sent, and the canonical form jobs read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from sqlalchemy import select, tuple_
+from sqlalchemy.orm import Session
+
+from core.errors import StateError
+from store.blobs import Blobs
+from store.database import Database
+from store.page import Page, from_cursor, to_cursor
+from store.records import MeshRow
+from store.storable import storable, storable_text
+
+CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"
+
+
+@dataclass(frozen=True, slots=True)
+class MeshUpload:
+    """A file that was received and read: `path` holds the bytes as sent, `canonical_path` what the intake made of them."""
+
+    path: Path
+    canonical_path: Path
+    name: str
+    file_name: str
+    unit: str
+    format: str
+    vertices: int
+    faces: int
+    extents_mm: tuple[float, float, float]
+    findings: tuple[Mapping[str, Any], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class MeshRecord:
+    """A mesh this server holds. `sha256` and `size_bytes` are of the file as sent; lengths are in mm whatever its unit."""
+
+    id: str
+    name: str
+    file_name: str
+    unit: str
+    format: str
+    size_bytes: int
+    sha256: str
+    canonical_sha256: str
+    vertices: int
+    faces: int
+    extents_mm: tuple[float, float, float]
+    findings: tuple[Mapping[str, Any], ...]
+    created_at: datetime
+
+
+class Meshes:
+    """The table of uploads, and their bytes among the blobs."""
+
+    def __init__(self, db: Database, blobs: Blobs) -> None:
+        self._db = db
+        self._blobs = blobs
+
+    def create(self, upload: MeshUpload, *, session: Session | None = None) -> MeshRecord:
+        """Store both files, then the row: nothing half-way. Raises LimitError `storage.full`."""
+        original = self._blobs.put_file(upload.path)
+        canonical = self._blobs.put_file(upload.canonical_path)
+        with self._db.session(session) as work:
+            row = MeshRow(
+                id=str(uuid4()),
+                name=storable_text(upload.name),
+                file_name=storable_text(upload.file_name),
+                unit=upload.unit,
+                format=upload.format,
+                size_bytes=original.size,
+                sha256=original.sha256,
+                canonical_sha256=canonical.sha256,
+                vertices=upload.vertices,
+                faces=upload.faces,
+                extents_mm=list(upload.extents_mm),
+                findings=storable([dict(finding) for finding in upload.findings]),
+                created_at=self._db.now(work),
+            )
+            work.add(row)
+            work.flush()
+            return _record(row)
+
+    def get(self, mesh_id: str) -> MeshRecord:
+        """Raises StateError `mesh.not_found`."""
+        with self._db.reading() as session:
+            return _record(_known(session.get(MeshRow, mesh_id), mesh_id))
+
+    def list(self, *, limit: int = 50, cursor: str | None = None) -> Page[MeshRecord]:
+        """Newest first. Raises InputError `cursor.invalid`."""
+        query = select(MeshRow).order_by(MeshRow.created_at.desc(), MeshRow.id.desc()).limit(limit + 1)
+        if cursor is not None:
+            query = query.where(tuple_(MeshRow.created_at, MeshRow.id) < from_cursor(cursor))
+        with self._db.reading() as session:
+            rows = session.scalars(query).all()
+            items = tuple(_record(row) for row in rows[:limit])
+            return Page(items, to_cursor(items[-1].created_at, items[-1].id) if len(rows) > limit else None)
+
+    def delete(self, mesh_id: str) -> None:
+        """Forget the mesh. Jobs that were accepted with it keep its bytes. Raises StateError `mesh.not_found`."""
+        with self._db.session() as session:
+            session.delete(_known(session.get(MeshRow, mesh_id, with_for_update=True), mesh_id))
+
+
+def _known(row: MeshRow | None, mesh_id: str) -> MeshRow:
+    if row is None:
+        raise StateError("mesh.not_found", f"there is no mesh {mesh_id}", mesh=mesh_id)
+    return row
+
+
+def _record(row: MeshRow) -> MeshRecord:
+    x, y, z = row.extents_mm
+    return MeshRecord(
+        id=row.id,
+        name=row.name,
+        file_name=row.file_name,
+        unit=row.unit,
+        format=row.format,
+        size_bytes=row.size_bytes,
+        sha256=row.sha256,
+        canonical_sha256=row.canonical_sha256,
+        vertices=row.vertices,
+        faces=row.faces,
+        extents_mm=(x, y, z),
+        findings=tuple(row.findings),
+        created_at=row.created_at,
+    )

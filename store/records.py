@@ -1,0 +1,144 @@
+"""The tables. Rows stay inside `store`; everybody else sees frozen dataclasses."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, MetaData, String, Text
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+
+from store.instant import Instant
+
+Json = JSON(none_as_null=True)  # text on both databases: JSONB would reorder keys, and inputs must come back as they came
+Identifier = String(36)
+Digest = String(64)
+
+
+class Record(DeclarativeBase):
+    """Base of all tables; constraints have names, so migrations can speak of them."""
+
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+            "ck": "ck_%(table_name)s_%(constraint_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+
+
+class MeshRow(Record):
+    """An uploaded mesh: the bytes as they came, and our canonical form of them."""
+
+    __tablename__ = "meshes"
+    __table_args__ = (Index(None, "created_at", "id"),)
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    name: Mapped[str] = mapped_column(Text)
+    file_name: Mapped[str] = mapped_column(Text)
+    unit: Mapped[str] = mapped_column(String(8))
+    format: Mapped[str] = mapped_column(String(32))
+    size_bytes: Mapped[int] = mapped_column(BigInteger)
+    sha256: Mapped[str] = mapped_column(Digest)
+    canonical_sha256: Mapped[str] = mapped_column(Digest)
+    vertices: Mapped[int] = mapped_column(BigInteger)
+    faces: Mapped[int] = mapped_column(BigInteger)
+    extents_mm: Mapped[list[float]] = mapped_column(Json)
+    findings: Mapped[list[dict[str, Any]]] = mapped_column(Json)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class JobRow(Record):
+    """One job: the truth about it."""
+
+    __tablename__ = "jobs"
+    __table_args__ = (
+        CheckConstraint("status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')", name="status_known"),
+        CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="running_has_lease"),
+        Index(None, "created_at", "id"),
+        Index(None, "status", "queued_at", "id"),
+    )
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    process: Mapped[str] = mapped_column(String(64))
+    inputs: Mapped[dict[str, Any]] = mapped_column(Json)
+    status: Mapped[str] = mapped_column(String(16))
+    phase: Mapped[str] = mapped_column(Text)
+    progress: Mapped[float]
+    message: Mapped[str] = mapped_column(Text)
+    attempt: Mapped[int]
+    max_attempts: Mapped[int]
+    lease_owner: Mapped[str | None] = mapped_column(Text)
+    lease_token: Mapped[int]
+    lease_until: Mapped[datetime | None] = mapped_column(Instant)
+    dismiss_requested: Mapped[bool]
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    queued_at: Mapped[datetime] = mapped_column(Instant)
+    started_at: Mapped[datetime | None] = mapped_column(Instant)
+    finished_at: Mapped[datetime | None] = mapped_column(Instant)
+    updated_at: Mapped[datetime] = mapped_column(Instant)
+    rung_at: Mapped[datetime | None] = mapped_column(Instant)
+    failure: Mapped[dict[str, Any] | None] = mapped_column(Json)
+    verdict: Mapped[str | None] = mapped_column(String(32))
+    summary: Mapped[str | None] = mapped_column(Text)
+    timings_s: Mapped[dict[str, float]] = mapped_column(Json)
+    peak_memory_bytes: Mapped[int | None] = mapped_column(BigInteger)
+    event_seq: Mapped[int]
+
+    mesh_inputs: Mapped[list[JobInputRow]] = relationship(
+        cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
+    )
+    outputs: Mapped[list[JobOutputRow]] = relationship(
+        cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobOutputRow.position"
+    )
+
+
+class JobInputRow(Record):
+    """A mesh a job reads, bound to its bytes when the job was accepted."""
+
+    __tablename__ = "job_inputs"
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    href: Mapped[str] = mapped_column(String(500), primary_key=True)
+    name: Mapped[str] = mapped_column(Text)
+    sha256: Mapped[str] = mapped_column(Digest)
+    media_type: Mapped[str] = mapped_column(String(100))
+    file_name: Mapped[str] = mapped_column(Text)
+
+
+class JobOutputRow(Record):
+    """A file a job made."""
+
+    __tablename__ = "job_outputs"
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    position: Mapped[int]
+    sha256: Mapped[str] = mapped_column(Digest)
+    size: Mapped[int] = mapped_column(BigInteger)
+    media_type: Mapped[str] = mapped_column(String(100))
+    file_name: Mapped[str] = mapped_column(Text)
+
+
+class EventRow(Record):
+    """What a client sees of a job while it runs; `seq` counts 1, 2, 3, … within the job."""
+
+    __tablename__ = "job_events"
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    type: Mapped[str] = mapped_column(String(16))
+    data: Mapped[dict[str, Any]] = mapped_column(Json)
+    at: Mapped[datetime] = mapped_column(Instant)
+
+
+class IdempotencyRow(Record):
+    """A request that must not be done twice, and its reply once there is one."""
+
+    __tablename__ = "idempotency_keys"
+
+    key: Mapped[str] = mapped_column(String(255), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(Digest)
+    reply: Mapped[dict[str, Any] | None] = mapped_column(Json)
+    created_at: Mapped[datetime] = mapped_column(Instant, index=True)

@@ -1,0 +1,26 @@
+"""Which blobs are still needed."""
+
+from __future__ import annotations
+
+from sqlalchemy import select, union
+
+from store.database import Database
+from store.records import JobInputRow, JobOutputRow, MeshRow
+
+
+class References:
+    """Every column that names a blob is listed here; a test holds the list complete."""
+
+    def __init__(self, db: Database) -> None:
+        self._db = db
+
+    def all(self) -> frozenset[str]:
+        """The blobs some mesh, job input or job output refers to: what `Blobs.sweep` must keep."""
+        query = union(
+            select(MeshRow.sha256),
+            select(MeshRow.canonical_sha256),
+            select(JobInputRow.sha256),
+            select(JobOutputRow.sha256),
+        )
+        with self._db.reading() as session:
+            return frozenset(session.scalars(query))

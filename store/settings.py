@@ -1,0 +1,126 @@
+"""Settings: environment variables `INTEGUMENT_*`, checked once at start and never changed (docs/settings.md)."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, ByteSize, Field, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError
+
+PREFIX = "INTEGUMENT_"
+CLIENT_VARIABLES = frozenset({"INTEGUMENT_URL"})
+"""Read by the client alone; a server beside it lets them pass."""
+
+DATABASE_SCHEMES = ("sqlite", "postgresql", "postgresql+psycopg")
+BROKER_SCHEMES = ("redis", "rediss", "redis+socket")
+GIB = 1024**3
+
+
+def default_data_dir() -> Path:
+    """`$XDG_DATA_HOME/integument`, or `~/.local/share/integument`."""
+    home = os.environ.get("XDG_DATA_HOME", "")
+    return (Path(home) if home else Path.home() / ".local" / "share") / "integument"
+
+
+def _absolute(path: Path) -> Path:
+    return path.expanduser().absolute()
+
+
+def _database_url(url: str) -> str:
+    scheme = url.partition("://")[0]
+    if scheme not in DATABASE_SCHEMES:
+        raise ValueError(f"database URL starts with '{scheme}://', known are {', '.join(DATABASE_SCHEMES)}")
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise ValueError("database URL cannot be read") from None
+    if scheme == "sqlite" and parsed.database in (None, "", ":memory:"):
+        raise ValueError("a SQLite database URL must name a file: API and worker are two processes")
+    return url
+
+
+def _broker_url(url: str) -> str:
+    scheme, _, rest = url.partition("://")
+    if scheme not in BROKER_SCHEMES or not rest:
+        raise ValueError(f"broker URL starts with '{scheme}://', known are {', '.join(BROKER_SCHEMES)}")
+    return url
+
+
+Size = Annotated[ByteSize, Field(gt=0)]
+Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class Settings(BaseSettings):
+    """All there is to set. Sizes read `2GiB` as well as numbers of bytes; times are seconds."""
+
+    model_config = SettingsConfigDict(
+        env_prefix=PREFIX, frozen=True, extra="forbid", hide_input_in_errors=True, validate_default=True
+    )
+
+    data_dir: Annotated[Path, AfterValidator(_absolute)] = Field(
+        default_factory=default_data_dir, description="Folder of blobs, scratch space and, by default, the database"
+    )
+    database_url: Annotated[str, AfterValidator(_database_url)] = Field(
+        default_factory=lambda data: f"sqlite:///{data['data_dir']}/integument.sqlite3",
+        repr=False,
+        description="`sqlite:///file` or `postgresql://user:password@host/name`",
+    )
+    broker_url: Annotated[str, AfterValidator(_broker_url)] = Field(
+        "redis://127.0.0.1:6379/0", repr=False, description="Redis or Valkey: `redis://`, `rediss://`, `redis+socket:///path`"
+    )
+    queue: str = Field("jobs", pattern=r"^[a-z][a-z0-9_.-]{0,63}$", description="Name of the queue API and workers share")
+    host: str = Field("127.0.0.1", min_length=1, description="Address the API binds")
+    port: int = Field(8000, ge=0, le=65535, description="Port the API binds; 0 picks a free one")
+    upload_limit_bytes: Size = Field(ByteSize(2 * GIB), description="Largest file of one upload")
+    intake_memory_bytes: Size = Field(ByteSize(4 * GIB), description="Address space of the child that reads an upload")
+    intake_wall_s: Seconds = Field(120.0, description="Time the child has to read an upload")
+    job_memory_bytes: Size = Field(ByteSize(8 * GIB), description="Memory of one job's child process")
+    job_cpu_s: Seconds = Field(3600.0, description="CPU time of one attempt")
+    job_wall_s: Seconds = Field(3600.0, description="Wall time of one attempt")
+    job_file_bytes: Size = Field(ByteSize(8 * GIB), description="Largest file a job may write")
+    lease_s: Seconds = Field(30.0, description="A worker silent for this long has lost its job")
+    heartbeat_s: Seconds = Field(2.0, description="How often a worker renews its lease and looks for a dismissal")
+    reconcile_s: Seconds = Field(5.0, description="How often lost leases and unanswered rings are looked for")
+    rering_s: Seconds = Field(30.0, description="An accepted job nobody took is announced again after this long")
+    max_attempts: int = Field(2, ge=1, le=100, description="Workers a job may lose before it fails with `worker.lost`")
+    worker_concurrency: int = Field(
+        default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=1024, description="Jobs one worker runs at a time"
+    )
+    event_poll_s: Seconds = Field(0.25, description="How often an event stream looks for new events")
+    idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")
+
+    @model_validator(mode="after")
+    def _heartbeat_within_lease(self) -> Self:
+        if self.heartbeat_s * 3 > self.lease_s:
+            raise ValueError(f"heartbeat_s {self.heartbeat_s} must be at most a third of lease_s {self.lease_s}")
+        return self
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_unknown_variables(cls, values: Any) -> Any:
+        """A misspelt variable would otherwise be ignored in silence."""
+        known = {PREFIX + name.upper() for name in cls.model_fields} | CLIENT_VARIABLES
+        for name in os.environ:
+            if name.upper().startswith(PREFIX) and name.upper() not in known:
+                near = difflib.get_close_matches(name.upper(), known, n=1)
+                raise ValueError(f"no setting is called {name}" + (f"; did you mean {near[0]}?" if near else ""))
+        return values
+
+    @property
+    def blob_dir(self) -> Path:
+        """Where content-addressed files live."""
+        return self.data_dir / "blobs"
+
+    @property
+    def scratch_dir(self) -> Path:
+        """Uploads on their way in and the working folders of jobs; on the same disk as the blobs, so moving is renaming."""
+        return self.data_dir / "scratch"
+
+    def as_environment(self) -> dict[str, str]:
+        """The variables that make another process read these very settings."""
+        return {PREFIX + name.upper(): str(getattr(self, name)) for name in type(self).model_fields}

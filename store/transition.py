@@ -1,0 +1,142 @@
+"""The moves a job can make, on a locked row inside a transaction; each leaves its event.
+
+accepted ── claim ──> running ── finish ──> successful
+   ^  ^                 │ │ └──── fail ───> failed ──────┐
+   │  └── release/expire┘ └─ confirm ─> dismissed <─ dismiss (accepted)
+   └───────────────── retry ─────────────────┴───────────┘
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
+from store.records import EventRow, JobOutputRow, JobRow
+from store.storable import storable, storable_text
+
+NewEvent = tuple[str, Mapping[str, Any]]
+
+
+def locked(session: Session, job_id: str) -> JobRow | None:
+    """The row, held against every other writer until the transaction ends."""
+    return session.scalars(select(JobRow).where(JobRow.id == job_id).with_for_update()).one_or_none()
+
+
+def held(session: Session, job_id: str, token: int) -> JobRow | None:
+    """The locked row if `token` is the one of its running attempt: whoever lost the lease gets None and may write nothing."""
+    return session.scalars(
+        select(JobRow)
+        .where(JobRow.id == job_id, JobRow.lease_token == token, JobRow.status == JobStatus.RUNNING)
+        .with_for_update()
+    ).one_or_none()
+
+
+def append_events(session: Session, row: JobRow, events: Iterable[NewEvent], now: datetime) -> None:
+    """Number the events on from the last one of this job."""
+    for kind, data in events:
+        row.event_seq += 1
+        session.add(EventRow(job_id=row.id, seq=row.event_seq, type=kind, data=storable(dict(data)), at=now))
+    row.updated_at = now
+
+
+def announce(session: Session, row: JobRow, now: datetime) -> None:
+    """Tell what the job has become: `status`, or `done` when it is finished."""
+    finished = JobStatus(row.status).is_finished
+    data = {
+        "status": row.status,
+        "phase": row.phase,
+        "progress": float(row.progress),
+        "message": row.message,
+        "attempt": row.attempt,
+        "dismiss_requested": row.dismiss_requested,
+    }
+    if finished:
+        data |= {"verdict": row.verdict, "summary": row.summary, "failure": row.failure}
+    append_events(session, row, [("done" if finished else "status", data)], now)
+
+
+def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: datetime) -> None:
+    """Back to accepted, and due to ring at once; a retry forgets the earlier result."""
+    row.status, row.attempt, row.phase, row.progress, row.message = JobStatus.ACCEPTED, attempt, "", 0.0, message
+    row.lease_owner = row.lease_until = row.rung_at = row.finished_at = row.started_at = None
+    row.failure = row.verdict = row.summary = row.peak_memory_bytes = None
+    row.dismiss_requested, row.timings_s, row.queued_at = False, {}, now
+    row.outputs.clear()
+    announce(session, row, now)
+
+
+def end(session: Session, row: JobRow, status: JobStatus, message: str, now: datetime) -> None:
+    """Give up the lease for good."""
+    row.status, row.message, row.finished_at = status, storable_text(message), now
+    row.lease_owner = row.lease_until = None
+    row.dismiss_requested = False
+    announce(session, row, now)
+
+
+def end_failed(session: Session, row: JobRow, failure: JobFailure, now: datetime) -> None:
+    """Failed, with the reason."""
+    row.failure = storable(failure.describe())
+    end(session, row, JobStatus.FAILED, failure.message, now)
+
+
+def end_dismissed(session: Session, row: JobRow, now: datetime) -> None:
+    """Dismissed: once that was asked for, no job turns out successful."""
+    row.outputs.clear()
+    end(session, row, JobStatus.DISMISSED, "dismissed on request", now)
+
+
+def keep_outputs(row: JobRow, outputs: Mapping[str, JobOutput]) -> None:
+    """Link the files the job made; their order is kept."""
+    row.outputs.extend(
+        JobOutputRow(
+            name=name,
+            position=position,
+            sha256=output.sha256,
+            size=output.size,
+            media_type=output.media_type,
+            file_name=storable_text(output.file_name),
+        )
+        for position, (name, output) in enumerate(outputs.items())
+    )
+
+
+def snapshot(row: JobRow) -> Job:
+    """The row as a frozen value."""
+    return Job(
+        id=row.id,
+        process=row.process,
+        inputs=row.inputs,
+        mesh_inputs={
+            mesh.href: MeshInput(mesh.href, mesh.name, mesh.sha256, mesh.media_type, mesh.file_name) for mesh in row.mesh_inputs
+        },
+        status=JobStatus(row.status),
+        phase=row.phase,
+        progress=float(row.progress),  # RETURNING of SQLite gives whole numbers as int
+        message=row.message,
+        attempt=row.attempt,
+        max_attempts=row.max_attempts,
+        lease_owner=row.lease_owner,
+        lease_token=row.lease_token,
+        lease_until=row.lease_until,
+        dismiss_requested=row.dismiss_requested,
+        created_at=row.created_at,
+        queued_at=row.queued_at,
+        started_at=row.started_at,
+        finished_at=row.finished_at,
+        updated_at=row.updated_at,
+        rung_at=row.rung_at,
+        failure=JobFailure.read(row.failure) if row.failure else None,
+        verdict=row.verdict,
+        summary=row.summary,
+        outputs={
+            output.name: JobOutput(output.sha256, output.size, output.media_type, output.file_name) for output in row.outputs
+        },
+        timings_s=row.timings_s,
+        peak_memory_bytes=row.peak_memory_bytes,
+        event_seq=row.event_seq,
+    )
