@@ -115,17 +115,20 @@ class Child:
             self._close_events()
             return
         try:
-            messages = self._reader.feed(data)
+            for message in self._reader.feed(data):
+                self._take(message)
         except BrokenMessageError as error:
             self._broken = str(error)
             self._close_events()
             self.kill()
-            return
-        for message in messages:
-            if message.get("kind") in ("result", "error"):
-                self._last = message
-            else:
-                self._waiting.append(message)
+
+    def _take(self, message: Message) -> None:
+        if self._last is not None:
+            raise BrokenMessageError("a message after the last one")
+        if message.get("kind") in ("result", "error"):
+            self._last = message
+        else:
+            self._waiting.append(message)
 
     def _read_status(self) -> None:
         try:

@@ -43,7 +43,7 @@ class LineReader:
 def _decode(line: bytes) -> Message:
     try:
         message = json.loads(line)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # the latter: nested without end
         raise BrokenMessageError(f"a message that is no JSON: {error}") from error
     if not isinstance(message, dict):
         raise BrokenMessageError("a message that is no JSON object")
