@@ -23,8 +23,7 @@ class Doorbell:
             task_serializer="json",
             task_ignore_result=True,
             task_publish_retry=False,
-            broker_connection_timeout=PUBLISH_S,
-            broker_transport_options={"socket_timeout": PUBLISH_S, "socket_connect_timeout": PUBLISH_S},
+            broker_transport_options={"socket_timeout": PUBLISH_S, "socket_connect_timeout": PUBLISH_S, "max_retries": 0},
         )
 
     def ring(self, job_id: str, attempt: int) -> bool:

@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, ByteSize, Field, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import AfterValidator, BeforeValidator, ByteSize, Field, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
@@ -51,6 +51,16 @@ def _broker_url(url: str) -> str:
     return url
 
 
+def _names(value: Any) -> Any:
+    """`a.example, B.example` -> ("a.example", "b.example")."""
+    names = value.split(",") if isinstance(value, str) else value
+    return tuple(str(name).strip().lower() for name in names if str(name).strip())
+
+
+def _to_text(value: Any) -> str:
+    return ",".join(value) if isinstance(value, tuple) else str(value)
+
+
 Size = Annotated[ByteSize, Field(gt=0)]
 Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -76,6 +86,13 @@ class Settings(BaseSettings):
     queue: str = Field("jobs", pattern=r"^[a-z][a-z0-9_.-]{0,63}$", description="Name of the queue API and workers share")
     host: str = Field("127.0.0.1", min_length=1, description="Address the API binds")
     port: int = Field(8000, ge=0, le=65535, description="Port the API binds; 0 picks a free one")
+    allow_remote: bool = Field(
+        False, description="Let the API bind an address others can reach; there are no keys yet, so whoever reaches it may use it"
+    )
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = Field(
+        (), description="Host names requests may carry besides loopback ones, separated by commas; `*` for any"
+    )
+    event_streams: int = Field(200, ge=1, le=10_000, description="Event streams the API keeps open at once")
     upload_limit_bytes: Size = Field(ByteSize(2 * GIB), description="Largest file of one upload")
     intake_memory_bytes: Size = Field(ByteSize(4 * GIB), description="Address space of the child that reads an upload")
     intake_wall_s: Seconds = Field(120.0, description="Time the child has to read an upload")
@@ -123,4 +140,4 @@ class Settings(BaseSettings):
 
     def as_environment(self) -> dict[str, str]:
         """The variables that make another process read these very settings."""
-        return {PREFIX + name.upper(): str(getattr(self, name)) for name in type(self).model_fields}
+        return {PREFIX + name.upper(): _to_text(getattr(self, name)) for name in type(self).model_fields}
