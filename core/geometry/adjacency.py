@@ -40,7 +40,7 @@ def edges(faces: Faces) -> Edges:
     """Number the edges of faces (F, 3); O(F log F)."""
     tails = faces.astype(np.int64)
     heads = np.roll(tails, -1, axis=1)
-    stride = int(tails.max()) + 1
+    stride = int(tails.max(initial=0)) + 1
     keys = (np.minimum(tails, heads) * stride + np.maximum(tails, heads)).ravel()
     unique, of_side, count = np.unique(keys, return_inverse=True, return_counts=True)
     ends = np.column_stack((unique // stride, unique % stride))

@@ -68,7 +68,8 @@ def _to_box(px: float, py: float, pz: float, boxes: Floats, node: int) -> float:
     dx = max(boxes[node, 0] - px, 0.0, px - boxes[node, 3])
     dy = max(boxes[node, 1] - py, 0.0, py - boxes[node, 4])
     dz = max(boxes[node, 2] - pz, 0.0, pz - boxes[node, 5])
-    return dx * dx + dy * dy + dz * dz
+    squared: float = dx * dx + dy * dy + dz * dz
+    return squared
 
 
 @njit(cache=True, nogil=True)
