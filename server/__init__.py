@@ -1,1 +1,1 @@
-"""`integument serve`: one command that runs API, worker and a private Valkey from a data folder."""
+"""The embedded set-up: one command that supervises API, worker and a private Valkey in a data folder."""

@@ -1,0 +1,110 @@
+"""The embedded set-up: Valkey, worker and API in one data folder."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from http.client import HTTPConnection, HTTPException
+
+from core.errors import InternalError
+from server.address import base_url
+from server.data_folder import DataFolder
+from server.log_file import LogFile
+from server.part import Part, Program
+from server.stop_signals import StopSignals
+from server.supervisor import Supervisor
+from server.valkey import answers, set_aside_append_only, valkey_program
+from store.database import Database
+from store.jobs import Jobs
+from store.settings import Settings
+
+API_COMMAND = ("-m", "api")
+WORKER_COMMAND = ("-m", "worker")
+API_GRACE_S = 10.0
+WORKER_GRACE_S = 20.0
+VALKEY_START_S = 20.0
+API_START_S = 60.0
+LOOK_S = 0.05  # between two looks at a part that is starting
+PROBE_S = 5.0
+
+Announce = Callable[[str], None]
+
+
+class Embedded:
+    """The three parts in their order, stopped the other way round."""
+
+    def __init__(self, folder: DataFolder, settings: Settings, signals: StopSignals, announce: Announce) -> None:
+        """`settings` are those of API and worker; broker_url must lead to `folder.socket_path`."""
+        self._folder = folder
+        self._announce = announce
+        self._settings = settings
+        self._database = Database(settings)
+        environment = {**os.environ, **settings.as_environment(), "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1"}
+        self._valkey = self._part(valkey_program(folder.valkey, folder.socket_path))
+        self._worker, self._api = (
+            self._part(Program(name, (sys.executable, *command), environment, grace_s, str(folder.path)))
+            for name, command, grace_s in (("worker", WORKER_COMMAND, WORKER_GRACE_S), ("api", API_COMMAND, API_GRACE_S))
+        )
+        self._valkey_answered = False
+        self._supervisor = Supervisor(signals, announce, self._after_crash)
+
+    def run(self) -> None:
+        """Until asked to stop. Raises: InternalError `server.part_*` when a part cannot be kept alive."""
+        try:
+            self._start()
+            self._supervisor.run()
+        finally:
+            self._folder.withdraw()
+            self._supervisor.stop()
+            self._database.close()
+
+    def _part(self, program: Program) -> Part:
+        return Part(program, LogFile(self._folder.logs / f"{program.name}.log"), self._folder.lock_fd)
+
+    def _start(self) -> None:
+        self._supervisor.start(self._valkey)
+        if not self._comes_up(self._valkey, lambda: answers(self._folder.socket_path), VALKEY_START_S):
+            return
+        self._valkey_answered = True
+        self._database.migrate()
+        Jobs(self._database).expire_all_leases()  # we hold the folder: whoever worked here is dead
+        self._supervisor.start(self._worker)
+        self._supervisor.start(self._api)
+        if self._comes_up(self._api, lambda: _is_ready(self._settings.host, self._settings.port), API_START_S):
+            url = base_url(self._settings.host, self._settings.port)
+            self._folder.publish(url)
+            self._announce(f"Integument answers at {url} (data in {self._folder.path}; Ctrl-C stops it).")
+
+    def _comes_up(self, part: Part, is_up: Callable[[], bool], limit_s: float) -> bool:
+        """False: we are asked to stop before. Raises: InternalError `server.part_not_ready`."""
+        deadline = time.monotonic() + limit_s
+        while not self._supervisor.run(LOOK_S):
+            if is_up():
+                return True
+            if time.monotonic() > deadline:
+                raise InternalError(
+                    "server.part_not_ready",
+                    f"The {part.name} did not answer within {limit_s:.0f} s. The end of {part.log.path}:\n{part.log.tail()}",
+                    part=part.name,
+                    limit_s=limit_s,
+                )
+        return False
+
+    def _after_crash(self, part: Part) -> None:
+        if part is self._worker:
+            Jobs(self._database).expire_all_leases()  # there is no other worker here; nobody needs to wait for the leases
+        elif part is self._valkey and not self._valkey_answered and (aside := set_aside_append_only(self._folder.valkey)):
+            self._announce(f"Valkey cannot read its append-only file; it is set aside as {aside} and the queue rebuilt.")
+
+
+def _is_ready(host: str, port: int) -> bool:
+    connection = HTTPConnection(host, port, timeout=PROBE_S)
+    try:
+        connection.request("GET", "/readyz")
+        return connection.getresponse().status == 200
+    except (OSError, HTTPException):  # nobody listens yet
+        return False
+    finally:
+        connection.close()
