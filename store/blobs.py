@@ -9,6 +9,7 @@ import fcntl
 import hashlib
 import os
 import re
+import stat
 import tempfile
 import time
 from collections.abc import Callable, Container, Iterator
@@ -42,8 +43,18 @@ class Blobs:
         self._lock_path = root / ".lock"
 
     def put_file(self, path: Path) -> Blob:
-        """Copy a file in. Raises LimitError `storage.full`; OSError if the file cannot be read."""
-        with path.open("rb") as source:
+        """Copy a regular file in. A child process may have made it: links are not followed and a pipe does not make us wait.
+
+        Raises LimitError `storage.full`, InternalError `blob.not_a_file`, OSError if it cannot be read."""
+        try:
+            handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        except OSError as error:
+            if error.errno in (errno.ELOOP, errno.ENXIO):
+                raise InternalError("blob.not_a_file", f"{path.name} is not a regular file") from error
+            raise
+        with os.fdopen(handle, "rb") as source:
+            if not stat.S_ISREG(os.fstat(handle).st_mode):
+                raise InternalError("blob.not_a_file", f"{path.name} is not a regular file")
             return self._put(source.read)
 
     def put_bytes(self, data: bytes) -> Blob:
@@ -83,7 +94,7 @@ class Blobs:
     def _place(self, temporary: Path, blob: Blob) -> None:
         place = self.path(blob.sha256)
         with self._locked(fcntl.LOCK_SH):
-            if place.exists():
+            if place.exists() and place.stat().st_size == blob.size:
                 os.utime(place)  # young again: a sweep under way must not take it before its new row is there
                 return
             place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)

@@ -11,14 +11,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import psycopg
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, create_engine, event, func, make_url, select, text
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session
 from sqlalchemy.pool import ConnectionPoolEntry
 
+from core.errors import InternalError, LimitError
 from store.settings import Settings
 
 BUSY_TIMEOUT_S = 10
@@ -26,7 +30,9 @@ MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks h
 
 
 class Database:
-    """Thread-safe; opens connections when first used. After a fork the child makes its own."""
+    """Thread-safe, but not to be carried across a fork. Connects when first used.
+
+    Any failure of the database itself is an InternalError `database.unavailable`, or a LimitError `storage.full`."""
 
     def __init__(self, settings: Settings) -> None:
         self._url = make_url(settings.database_url)
@@ -44,13 +50,13 @@ class Database:
         if joined is not None:
             yield joined
             return
-        with Session(self.engine, expire_on_commit=False) as session, session.begin():
+        with _translated(), Session(self.engine, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """One transaction that only reads; on SQLite it waits for no writer."""
-        with Session(self._reader) as session, session.begin():
+        with _translated(), Session(self._reader) as session, session.begin():
             yield session
 
     def now(self, session: Session) -> datetime:
@@ -72,25 +78,38 @@ class Database:
 
     @contextmanager
     def _migrating(self) -> Iterator[Config]:
-        with self.engine.begin() as connection:
+        with _translated(), self.engine.begin() as connection:
             if not self.is_sqlite:
                 connection.execute(select(func.pg_advisory_xact_lock(MIGRATION_LOCK)))
             yield _alembic(connection)
 
     def is_migrated(self) -> bool:
         """True if the tables are those this code expects."""
-        with self._reader.connect() as connection:
+        with _translated(), self._reader.connect() as connection:
             current = MigrationContext.configure(connection).get_current_revision()
             return current == ScriptDirectory.from_config(_alembic(connection)).get_current_head()
 
     def ping(self) -> None:
-        """Raise what the driver raises if the database does not answer."""
+        """Raises InternalError `database.unavailable` if the database does not answer."""
         with self.reading() as session:
             session.execute(text("SELECT 1"))
 
     def close(self) -> None:
         """Close idle connections; the object can still be used."""
         self.engine.dispose()
+
+
+@contextmanager
+def _translated() -> Iterator[None]:
+    """Drivers' words for an absent or full database become ours; violated constraints and bugs pass."""
+    try:
+        yield
+    except (OperationalError, InterfaceError, PoolTimeoutError) as error:
+        cause = error.orig if isinstance(error, DBAPIError) else error
+        reason = (str(cause).strip() or type(cause).__name__).splitlines()[0]
+        if isinstance(cause, psycopg.errors.DiskFull) or getattr(cause, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL:
+            raise LimitError("storage.full", f"the database has no space left: {reason}") from error
+        raise InternalError("database.unavailable", f"the database does not answer: {reason}") from error
 
 
 def _alembic(connection: Connection) -> Config:
@@ -101,15 +120,15 @@ def _alembic(connection: Connection) -> Config:
     return config
 
 
-_to_json = partial(json.dumps, ensure_ascii=False, allow_nan=False)
+_to_json = partial(json.dumps, allow_nan=False)  # escapes all but ASCII: PostgreSQL takes any text in that form
 
 
 def _postgres_engine(url: str) -> Engine:
     return create_engine(
         make_url(url).set(drivername="postgresql+psycopg"),
         pool_pre_ping=True,
-        pool_size=10,
-        max_overflow=30,
+        pool_size=5,
+        max_overflow=15,
         hide_parameters=True,
         json_serializer=_to_json,
         connect_args={
@@ -125,8 +144,8 @@ def _sqlite_engine(url: str) -> Engine:
     engine = create_engine(
         url,
         hide_parameters=True,
-        pool_size=10,
-        max_overflow=30,
+        pool_size=5,
+        max_overflow=15,
         json_serializer=_to_json,
         connect_args={"isolation_level": None, "timeout": BUSY_TIMEOUT_S},
     )

@@ -14,7 +14,6 @@ from sqlalchemy.orm import Session
 from core.errors import StateError
 from store.database import Database
 from store.records import IdempotencyRow
-from store.storable import storable
 
 IN_FLIGHT_S = 600.0  # a request without a reply after this long died with its server
 
@@ -70,7 +69,7 @@ class IdempotencyKeys:
         with self._db.session(session) as work:
             row = work.get(IdempotencyRow, key, with_for_update=True)
             if row is not None:
-                row.reply = storable({"status": reply.status, "headers": dict(reply.headers), "body": reply.body})
+                row.reply = {"status": reply.status, "headers": dict(reply.headers), "body": reply.body}
 
     def abandon(self, key: str) -> None:
         """Forget a request that failed, so that it may be sent again."""

@@ -16,7 +16,6 @@ from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
-from store.storable import storable
 from store.transition import announce, end_dismissed, locked, queue_again, snapshot
 
 
@@ -38,7 +37,7 @@ class Jobs(Claims, Reconciliation):
             row = JobRow(
                 id=str(uuid4()),
                 process=process,
-                inputs=storable(dict(inputs)),
+                inputs=dict(inputs),
                 status=JobStatus.ACCEPTED,
                 phase="",
                 progress=0.0,

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 MAX_TEXT = 8_000
+MAX_DEPTH = 32
 
 
 def storable_text(text: str, limit: int = MAX_TEXT) -> str:
@@ -14,14 +15,18 @@ def storable_text(text: str, limit: int = MAX_TEXT) -> str:
     return clean if len(clean) <= limit else clean[: limit - 1] + "…"
 
 
-def storable(value: Any) -> Any:
-    """The same for JSON; NaN and infinity, which JSON does not have, become their names."""
+def storable(value: Any, depth: int = MAX_DEPTH) -> Any:
+    """The same for JSON: NaN and infinity, which it does not have, become their names; what is nested deeper is cut to text."""
     if isinstance(value, str):
         return storable_text(value)
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
+    if value is None or isinstance(value, bool | int | float):
+        return value
+    if depth == 0:
+        return storable_text(repr(value))
     if isinstance(value, dict):
-        return {storable_text(str(key)): storable(item) for key, item in value.items()}
+        return {storable_text(str(key)): storable(item, depth - 1) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [storable(item) for item in value]
-    return value
+        return [storable(item, depth - 1) for item in value]
+    return storable_text(str(value))

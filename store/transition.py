@@ -19,6 +19,8 @@ from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
 from store.records import EventRow, JobOutputRow, JobRow
 from store.storable import storable, storable_text
 
+EVENT_LIMIT = 20_000  # ten hours of heartbeats
+
 NewEvent = tuple[str, Mapping[str, Any]]
 
 
@@ -37,8 +39,12 @@ def held(session: Session, job_id: str, token: int) -> JobRow | None:
 
 
 def append_events(session: Session, row: JobRow, events: Iterable[NewEvent], now: datetime) -> None:
-    """Number the events on from the last one of this job."""
+    """Number the events on from the last one of this job.
+
+    A job that talks without end is cut off after EVENT_LIMIT; what becomes of it is still told."""
     for kind, data in events:
+        if row.event_seq >= EVENT_LIMIT and kind not in ("status", "done"):
+            continue
         row.event_seq += 1
         session.add(EventRow(job_id=row.id, seq=row.event_seq, type=kind, data=storable(dict(data)), at=now))
     row.updated_at = now
