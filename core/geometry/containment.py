@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,20 +12,14 @@ Ints = NDArray[np.int64]
 Points = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Crossings:
-    """Where rays from points towards +x meet faces: parallel arrays (K,)."""
-
-    point: Ints  # number of the point
-    face: Ints  # number of the face
-    touching: NDArray[np.bool_]  # the point itself lies on the face: neither inside nor outside
-
-
-def find_crossings(tree: FaceTree, points: Points) -> Crossings:
+def find_crossings(tree: FaceTree, points: Points) -> tuple[Ints, Ints]:
     """Faces crossed by the rays that start at points (N, 3) mm and run towards +x.
 
+    Returns (K,) numbers of the points and (K,) numbers of the faces they see, pair by pair.
     Exact: a ray through an edge or corner is decided as if the point were moved by (0, ε, ε²), so each passage through
-    a closed surface is counted once. Source: Edelsbrunner & Mücke 1990, simulation of simplicity.
+    a closed surface is counted once. A face on which the point itself lies is not ahead of it.
+
+    Source: Edelsbrunner & Mücke 1990, simulation of simplicity.
     """
     point, face = _find_candidates(tree, points)
     p = points[point]
@@ -37,8 +29,8 @@ def find_crossings(tree: FaceTree, points: Points) -> Crossings:
     point, face, p, corners, turn = point[through], face[through], p[through], corners[through], turns[through, 0]
     # seen from +x the face turns counter-clockwise if turn > 0; the point is behind the face if it sees it turn the other way
     side = orient3d(corners[:, 0], corners[:, 1], corners[:, 2], p) * turn
-    ahead = side <= 0
-    return Crossings(point[ahead], tree.face[face[ahead]], side[ahead] == 0)
+    ahead = side < 0
+    return point[ahead], tree.face[face[ahead]]
 
 
 def is_inside(tree: FaceTree, points: Points) -> NDArray[np.bool_]:
@@ -47,8 +39,8 @@ def is_inside(tree: FaceTree, points: Points) -> NDArray[np.bool_]:
     The parity asks nothing of the orientation of faces; cavities are outside. Points on the surface are not decided
     meaningfully: measure the distance first.
     """
-    crossings = find_crossings(tree, points)
-    inside: NDArray[np.bool_] = np.bincount(crossings.point, minlength=len(points)) % 2 == 1
+    point, _face = find_crossings(tree, points)
+    inside: NDArray[np.bool_] = np.bincount(point, minlength=len(points)) % 2 == 1
     return inside
 
 
