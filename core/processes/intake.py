@@ -1,0 +1,74 @@
+"""Intake of an upload: the one place where bytes from outside are parsed. Runs in the limited child."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.geometry.normals import face_areas
+from core.io import canonical
+from core.io.naming import clean_name
+from core.io.reading import Intake, NamedMesh
+from core.io.registry import read_meshes
+from core.io.unit import require_unit
+from core.io.welding import weld
+from core.mesh import Mesh
+from core.schema.finding import Finding, Severity
+
+MOST_NAMES_SHOWN = 20
+
+
+def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
+    """Parse payload["path"] (called `file_name` by the user, in `unit`) and write it as `out_dir`/0.mesh in canonical form.
+
+    Several solids become one mesh: they are welded where their corners are equal, as if the file had not named them.
+    Returns {"format", "meshes": [{"name", "path", "vertices", "faces", "extents_mm", "area_mm2"}], "findings"}, all plain JSON.
+    Raises: InputError and LimitError as `core.io.registry.read_meshes`, InputError `unit.unknown`.
+    """
+    del channel  # a parse takes seconds: there is no progress to tell
+    unit = require_unit(payload["unit"])
+    intake = read_meshes(Path(payload["path"]), file_name=payload["file_name"], unit=unit)
+    combined = combine(intake.meshes, clean_name(Path(payload["file_name"]).stem, "mesh"))
+    findings = (*intake.findings, *check_solids(intake))
+    target = Path(payload["out_dir"]) / "0.mesh"
+    canonical.save(combined.mesh, target)
+    return {
+        "format": intake.format,
+        "meshes": [_describe(combined, target)],
+        "findings": [finding.model_dump(mode="json") for finding in findings],
+    }
+
+
+def combine(meshes: tuple[NamedMesh, ...], name: str) -> NamedMesh:
+    """One mesh out of several, under `name`; a single one is handed through."""
+    if len(meshes) == 1:
+        return meshes[0]
+    starts = np.cumsum([0] + [len(each.mesh.vertices) for each in meshes[:-1]])
+    vertices, index = weld(np.concatenate([each.mesh.vertices for each in meshes]))
+    faces = np.concatenate([each.mesh.faces + start for each, start in zip(meshes, starts, strict=True)])
+    return NamedMesh(name, Mesh.of(vertices, index[faces]))
+
+
+def check_solids(intake: Intake) -> list[Finding]:
+    """Tell which solids a file held when there are several (`mesh.several_solids`)."""
+    count = len(intake.meshes)
+    if count == 1:
+        return []
+    shown = [f"{each.name} ({len(each.mesh.faces)} faces)" for each in intake.meshes[:MOST_NAMES_SHOWN]]
+    more = f" and {count - MOST_NAMES_SHOWN} more" if count > MOST_NAMES_SHOWN else ""
+    message = f"the file holds {count} solids, taken as one mesh: {', '.join(shown)}{more}"
+    return [Finding(code="mesh.several_solids", severity=Severity.WARNING, message=message, count=count)]
+
+
+def _describe(named: NamedMesh, path: Path) -> dict[str, Any]:
+    mesh = named.mesh
+    return {
+        "name": named.name,
+        "path": str(path),
+        "vertices": len(mesh.vertices),
+        "faces": len(mesh.faces),
+        "extents_mm": mesh.extents_mm().tolist(),
+        "area_mm2": float(face_areas(mesh.vertices, mesh.faces).sum()),
+    }
