@@ -1,0 +1,61 @@
+"""`python -m api`: serve HTTP until SIGINT or SIGTERM."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable
+from types import FrameType
+
+import uvicorn
+from pydantic import ValidationError
+
+from api.app import create_app
+from api.binding import require_allowed_binding
+from core.errors import InputError
+from store.settings import Settings
+
+GRACE_S = 5  # for answers under way; streams and long polls end at once
+
+
+class DrainingServer(uvicorn.Server):
+    """Tells the application of the signal at once: uvicorn waits for open streams before it ends the lifespan."""
+
+    def __init__(self, config: uvicorn.Config, begin_drain: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._begin_drain = begin_drain
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self._begin_drain()
+        super().handle_exit(sig, frame)
+
+
+def main() -> int:
+    """0 after a clean stop, 2 if the settings are at fault."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s %(message)s")
+    try:
+        settings = Settings()
+        require_allowed_binding(settings)
+    except (ValidationError, InputError) as error:
+        print(f"python -m api: {error}", file=sys.stderr)
+        return 2
+    app = create_app(settings)
+    config = uvicorn.Config(
+        app,
+        host=settings.host,
+        port=settings.port,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=GRACE_S,
+        timeout_keep_alive=30,
+        proxy_headers=False,
+        lifespan="on",
+    )
+    server = DrainingServer(config, app.state.services.drain.begin)
+    server.run()
+    return 0 if server.started else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

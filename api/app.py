@@ -1,0 +1,72 @@
+"""The application: `create_app(settings)`, and nothing at import time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware import Middleware
+
+from api.links import BASE
+from api.openapi import install_openapi
+from api.problem_handlers import install_problem_handlers
+from api.request_context import LOOPBACK_HOSTS, RequestContext
+from api.request_folder import sweep_incoming
+from api.routes import events, health, jobs, landing, meshes, processes, results
+from api.services import Services, make_services
+from api.version import SERVER_VERSION
+from store.settings import Settings
+
+LEFT_BEHIND_S = 900.0  # an upload nothing was written to for that long has no server any more
+
+DESCRIPTION = """\
+Mesh-processing server for computational human models. Jobs follow OGC API - Processes Part 1: Core 1.0: upload a mesh
+(`POST /v1/meshes`), execute a process on it (`POST /v1/processes/{id}/execution`), follow the job (`GET /v1/jobs/{id}`, or its
+events), fetch the results. Lengths are in mm. Every error is an RFC 9457 problem with a stable `code`.
+"""
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """An application of its own for every call. Database and child processes are started by its lifespan."""
+    services = make_services(settings)
+    app = FastAPI(
+        title="Integument",
+        version=SERVER_VERSION,
+        description=DESCRIPTION,
+        openapi_url=None,  # served below /v1, in OpenAPI 3.0
+        docs_url=None,  # the framework's pages load scripts from elsewhere
+        redoc_url=None,
+        redirect_slashes=False,
+        separate_input_output_schemas=False,
+        lifespan=_lifespan,
+        middleware=[Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings))],
+    )
+    app.state.services = services
+    install_problem_handlers(app)
+    for module in (landing, meshes, processes, jobs, results, events):
+        app.include_router(module.router, prefix=BASE)
+    app.include_router(health.router)
+    install_openapi(app)
+    return app
+
+
+@asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    services: Services = app.state.services
+    await run_in_threadpool(services.db.migrate)
+    await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
+    services.nursery.start()  # loads in the background while the first requests come
+    try:
+        yield
+    finally:
+        services.drain.begin()
+        await run_in_threadpool(services.nursery.stop)
+        services.doorbell.close()
+        services.db.close()
+
+
+def _allowed_hosts(settings: Settings) -> frozenset[str]:
+    bound = f"[{settings.host}]" if ":" in settings.host else settings.host
+    return LOOPBACK_HOSTS | {bound} | frozenset(settings.allowed_hosts)

@@ -1,0 +1,88 @@
+"""From the body of an execution request to an accepted job."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from api.process_documents import find_process
+from api.schemas.execution import ExecuteRequest
+from api.services import Services
+from api.violations import ViolationsError
+from core.errors import InputError
+from core.schema.model import FrozenModel
+from core.schema.processes import ProcessDescription
+from core.schema.reference import MeshReference
+from store.job import MeshInput
+
+_ORIGIN = re.compile(r"^https?://[^/]+")
+
+
+def read_inputs(process: ProcessDescription, sent: Mapping[str, Any]) -> FrozenModel:
+    """The inputs, validated. Raises ViolationsError `inputs.invalid`, `inputs.unknown_key`."""
+    try:
+        return process.inputs.model_validate(dict(sent))
+    except ValidationError as error:
+        raise ViolationsError("inputs.invalid", "inputs.unknown_key", error, base="/inputs", sent=sent) from None
+
+
+def require_known_outputs(process: ProcessDescription, inputs: FrozenModel, request: ExecuteRequest) -> None:
+    """Raises InputError `outputs.unknown` if the request names an output this job will not have."""
+    known = [*process.outputs]
+    if process.names_layers:
+        known += [layer.name for layer in getattr(inputs, "layers", ())]
+    unknown = sorted(set(request.outputs or ()) - set(known))
+    if unknown:
+        raise InputError(
+            "outputs.unknown", f"Process '{process.id}' has no output {', '.join(unknown)[:200]}; it has {', '.join(known)}"
+        )
+
+
+def resolve_meshes(services: Services, inputs: FrozenModel) -> tuple[dict[str, Any], list[MeshInput]]:
+    """The inputs as stored (links without host: only their path counts) and the meshes they are bound to.
+
+    Raises InputError `reference.*`."""
+    meshes = [services.mesh_inputs.resolve(href) for href in dict.fromkeys(map(path_of, hrefs_in(inputs)))]
+    stored = _with_paths(inputs.model_dump(mode="json", exclude_none=True))
+    return stored, meshes
+
+
+def path_of(href: str) -> str:
+    """A link without scheme and host."""
+    return _ORIGIN.sub("", href)
+
+
+def hrefs_in(value: object) -> Iterator[str]:
+    """The links of every mesh reference in validated inputs."""
+    if isinstance(value, MeshReference):
+        yield value.href
+    elif isinstance(value, FrozenModel):
+        for name in type(value).model_fields:
+            yield from hrefs_in(getattr(value, name))
+    elif isinstance(value, Mapping):
+        for item in value.values():
+            yield from hrefs_in(item)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from hrefs_in(item)
+
+
+def _with_paths(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {
+            key: path_of(item) if key == "href" and isinstance(item, str) else _with_paths(item) for key, item in value.items()
+        }
+    if isinstance(value, list):
+        return [_with_paths(item) for item in value]
+    return value
+
+
+def find_and_read(process_id: str, request: ExecuteRequest) -> tuple[ProcessDescription, FrozenModel]:
+    """The process and its validated inputs. Raises StateError `process.not_found`, InputError `inputs.*`, `outputs.unknown`."""
+    process = find_process(process_id)
+    inputs = read_inputs(process, request.inputs)
+    require_known_outputs(process, inputs, request)
+    return process, inputs

@@ -1,0 +1,93 @@
+"""Jobs in OGC's words."""
+
+from __future__ import annotations
+
+import math
+
+from starlette.requests import Request
+
+from api.links import BASE, RESULTS_RELATION, Query, absolute, job_path, link
+from api.schemas.job import Failure, JobList, ResultReference, Results, StatusInfo
+from api.schemas.link import Link
+from store.job import Job
+from store.page import Page
+
+REPORT_OUTPUT = "report"
+REPORT_HTML_OUTPUT = "report_html"
+
+
+def describe_job(request: Request, job: Job, queue_position: int | None = None) -> StatusInfo:
+    """statusInfo of a job; `queue_position` counts from 1 while it waits."""
+    ended = job.status.is_finished
+    return StatusInfo(
+        job_id=job.id,
+        process_id=job.process,
+        status=job.status.value,
+        message=job.message,
+        progress=math.floor(job.progress),
+        created=job.created_at,
+        started=job.started_at,
+        finished=job.finished_at,
+        updated=job.updated_at,
+        phase=job.phase or None,
+        queue_position=queue_position,
+        attempt=job.attempt,
+        verdict=job.verdict,
+        summary=job.summary,
+        failure=describe_failure(job),
+        timings_s=dict(job.timings_s) if ended else None,
+        peak_memory_bytes=job.peak_memory_bytes,
+        links=_links(request, job),
+    )
+
+
+def describe_failure(job: Job) -> Failure | None:
+    """What went wrong, without the findings: those are in the report and in the problem of the results."""
+    failure = job.failure
+    if failure is None:
+        return None
+    return Failure.model_validate(
+        {
+            "code": failure.code,
+            "class": failure.fault,
+            "message": failure.message,
+            "retryable": failure.retryable,
+            "facts": dict(failure.facts),
+        }
+    )
+
+
+def list_jobs(request: Request, page: Page[Job], query: Query) -> JobList:
+    """One page; `query` are the filters, repeated in the link to the next page."""
+    path = f"{BASE}/jobs"
+    links = [link(request, path, "self", title="Jobs")]
+    if page.next is not None:
+        links.append(Link(href=absolute(request, path, [*query, ("cursor", page.next)]), rel="next", type="application/json"))
+    return JobList(jobs=tuple(describe_job(request, job) for job in page.items), next=page.next, links=tuple(links))
+
+
+def refer_to_results(request: Request, job: Job) -> Results:
+    """The results document: every output by reference."""
+    return Results(
+        {
+            name: ResultReference(
+                href=absolute(request, f"{job_path(job.id)}/results/{name}"), type=output.media_type, title=output.file_name
+            )
+            for name, output in job.outputs.items()
+        }
+    )
+
+
+def _links(request: Request, job: Job) -> tuple[Link, ...]:
+    path = job_path(job.id)
+    links = [
+        link(request, path, "self", title="Status"),
+        link(request, f"{path}/events", "monitor", media_type="text/event-stream", title="Events"),
+    ]
+    if job.outputs:
+        links.append(link(request, f"{path}/results", RESULTS_RELATION, title="Results"))
+    if REPORT_OUTPUT in job.outputs:
+        links.append(link(request, f"{path}/report", "describedby", title="Report"))
+    if REPORT_HTML_OUTPUT in job.outputs:
+        links.append(link(request, f"{path}/report", "alternate", media_type="text/html", title="Report for people"))
+    return tuple(links)

@@ -1,0 +1,41 @@
+"""What a job without results has instead: a reason."""
+
+from __future__ import annotations
+
+from core.errors import CLASSES_BY_FAULT, IntegumentError, StateError
+from core.schema.finding import Finding
+from store.job import Job, JobFailure, JobStatus
+
+
+def revive_failure(failure: JobFailure) -> IntegumentError:
+    """The error a job failed of; its class says whose fault it was and so which status its results answer with."""
+    findings = tuple(Finding.model_validate(finding) for finding in failure.findings)
+    error = CLASSES_BY_FAULT[failure.fault](failure.code, failure.message, findings=findings)
+    error.facts = dict(failure.facts)
+    return error
+
+
+def require_results(job: Job) -> Job:
+    """The job, if it is successful.
+
+    Raises StateError `result.not_ready` while it is under way, `job.no_results` if it was dismissed, else what it failed of."""
+    if job.status is JobStatus.SUCCESSFUL:
+        return job
+    if job.failure is not None:
+        raise revive_failure(job.failure)
+    if job.status.is_finished:
+        raise StateError("job.no_results", f"job {job.id} is {job.status}, it has no results", job=job.id)
+    raise StateError(
+        "result.not_ready",
+        f"job {job.id} is {job.status} at {job.progress:.0f} %, its results are not ready",
+        job=job.id,
+        status=job.status.value,
+        progress=job.progress,
+    )
+
+
+def no_such_output(job: Job, output: str) -> StateError:
+    """The error for an output the job does not have."""
+    return StateError(
+        "output.not_found", f"job {job.id} has no output {output[:64]!r}; it has {', '.join(job.outputs)}", job=job.id
+    )

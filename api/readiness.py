@@ -1,0 +1,44 @@
+"""What the server needs to do its work. Each check returns None, or says what is missing."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+
+from api.request_folder import request_folder
+from api.services import Services
+
+DISK_FLOOR_BYTES = 256 * 1024**2
+
+
+def _check_database(services: Services) -> str | None:
+    return None if services.db.is_migrated() else "the tables are not those of this version; run the migration"
+
+
+def _check_broker(services: Services) -> str | None:
+    return None if services.doorbell.is_answered() else "the broker does not answer"
+
+
+def _check_blobs(services: Services) -> str | None:
+    """Writes a file where uploads go, on the same disk as the blobs."""
+    with request_folder(services.incoming_dir) as folder:
+        (folder / "probe").write_bytes(b"ready")
+    return None
+
+
+def _check_disk(services: Services) -> str | None:
+    free = shutil.disk_usage(services.settings.data_dir).free
+    return None if free >= DISK_FLOOR_BYTES else f"{free} bytes are free, {DISK_FLOOR_BYTES} are needed"
+
+
+def _check_drain(services: Services) -> str | None:
+    return "the server is stopping" if services.drain.begun else None
+
+
+CHECKS: dict[str, Callable[[Services], str | None]] = {
+    "database": _check_database,
+    "broker": _check_broker,
+    "blobs": _check_blobs,
+    "disk": _check_disk,
+    "drain": _check_drain,
+}

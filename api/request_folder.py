@@ -1,0 +1,32 @@
+"""A folder per request for what must not stay in memory, gone when the request is."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from uuid import uuid4
+
+
+@contextmanager
+def request_folder(incoming: Path) -> Iterator[Path]:
+    """An empty folder below `incoming`, removed with everything in it, whatever happens."""
+    folder = incoming / uuid4().hex
+    folder.mkdir(parents=True, mode=0o700)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def sweep_incoming(incoming: Path, older_than_s: float) -> int:
+    """Remove what a killed server left: folders nothing was written to for that long. Returns how many."""
+    incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+    before, swept = time.time() - older_than_s, 0
+    for folder in incoming.iterdir():
+        if max((path.stat().st_mtime for path in (folder, *folder.rglob("*"))), default=0.0) < before:
+            shutil.rmtree(folder, ignore_errors=True)
+            swept += 1
+    return swept

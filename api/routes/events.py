@@ -1,0 +1,105 @@
+"""What happens to a job, as it happens (Server-Sent Events)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncIterator, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Header, Query
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+from starlette.concurrency import run_in_threadpool
+
+from api.parameters import JobId
+from api.responses import problems
+from api.services import Services, ServicesDep
+from core.errors import StateError
+from store.events import Event
+
+router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
+
+RETRY_MS = 3000
+DONE = "done"
+STILL_THERE_S = 5.0  # how often a silent stream makes sure that its job was not removed
+BATCH = 500
+LARGEST_SEQ = 2**31 - 1
+
+LastEventId = Annotated[
+    int | None, Header(alias="Last-Event-ID", ge=0, le=LARGEST_SEQ, description="Number of the last event seen; go on after it")
+]
+After = Annotated[int | None, Query(ge=0, le=LARGEST_SEQ, description="The same, for clients that cannot set the header")]
+
+
+@dataclass(frozen=True, slots=True)
+class _Stream:
+    """A slot that is taken, and where to begin."""
+
+    job_id: str
+    after: int
+
+
+def _open_stream(
+    job_id: JobId, services: ServicesDep, last_event_id: LastEventId = None, after: After = None
+) -> Iterator[_Stream]:
+    """Everything that can be refused is refused before the stream begins."""
+    services.jobs.get(job_id)
+    with services.streams.take():
+        yield _Stream(job_id, last_event_id if last_event_id is not None else after or 0)
+
+
+@router.get(
+    "/events",
+    operation_id="streamEvents",
+    response_class=EventSourceResponse,
+    responses={
+        200: {
+            "description": "`status`, `progress`, `log` and last `done`, with JSON data; the id of an event is its number",
+            "content": {"text/event-stream": {"schema": {"type": "string"}}},
+        },
+        **problems(404, 422, 503),
+    },
+)
+async def stream_events(
+    stream: Annotated[_Stream, Depends(_open_stream)], services: ServicesDep
+) -> AsyncIterator[ServerSentEvent]:
+    """The events of a job from the first, or after the last one seen. The stream ends with `done`."""
+    yield ServerSentEvent(retry=RETRY_MS, comment="events of a job")
+    seen, looked_at = stream.after, -STILL_THERE_S
+    while not services.drain.begun:
+        events = await run_in_threadpool(services.events.after, stream.job_id, seen, BATCH)
+        for event in events:
+            last = event.type == DONE and await run_in_threadpool(_is_last, services, event)
+            yield _sent(event, last)
+            seen = event.seq
+            if last:
+                return
+        if not events:
+            if time.monotonic() - looked_at > STILL_THERE_S:
+                looked_at = time.monotonic()
+                if not await run_in_threadpool(_is_open, services, stream.job_id, seen):
+                    return
+            await services.drain.pause(services.settings.event_poll_s)
+
+
+def _sent(event: Event, last: bool) -> ServerSentEvent:
+    """`done` closes a stream on both sides; where a retry followed, it was only one status among others."""
+    kind = "status" if event.type == DONE and not last else event.type
+    data: dict[str, Any] = {**event.data, "at": event.at.isoformat()}
+    return ServerSentEvent(event=kind, id=str(event.seq), data=data)
+
+
+def _is_last(services: Services, event: Event) -> bool:
+    try:
+        return services.jobs.get(event.job_id).event_seq == event.seq
+    except StateError:  # removed just now
+        return True
+
+
+def _is_open(services: Services, job_id: str, seen: int) -> bool:
+    """False if the job is gone, or over and all its events were seen before."""
+    try:
+        job = services.jobs.get(job_id)
+    except StateError:
+        return False
+    return not job.status.is_finished or job.event_seq > seen

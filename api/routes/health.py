@@ -1,0 +1,56 @@
+"""Is the process alive, can it do its work, and how much is there to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from fastapi import APIRouter
+from starlette.responses import PlainTextResponse
+
+from api.metrics import render_metrics
+from api.readiness import CHECKS
+from api.responses import problems
+from api.schemas.health import Health, Readiness
+from api.services import Services, ServicesDep
+from core.errors import StateError
+
+router = APIRouter(tags=["Health"])
+
+METRICS_MEDIA_TYPE = "text/plain; version=0.0.4; charset=utf-8"
+
+
+@router.get("/healthz", operation_id="getHealth", responses=problems())
+async def get_health() -> Health:
+    """The process answers; nothing else is asked."""
+    return Health()
+
+
+@router.get("/readyz", operation_id="getReadiness", responses=problems(503))
+def get_readiness(services: ServicesDep) -> Readiness:
+    """Database, broker, blob store and disk are there and the server is not stopping; else 503 says what is missing."""
+    missing = {name: said for name, check in CHECKS.items() if (said := _ask(check, services)) is not None}
+    if missing:
+        told = "; ".join(f"{name}: {said}" for name, said in missing.items())
+        error = StateError("server.not_ready", f"Not ready: {told}")
+        error.facts.update(missing)
+        raise error
+    return Readiness(checks=dict.fromkeys(CHECKS, "ok"))
+
+
+@router.get(
+    "/metrics",
+    operation_id="getMetrics",
+    response_class=PlainTextResponse,
+    responses={200: {"description": "Prometheus text", "content": {"text/plain": {}}}, **problems()},
+)
+def get_metrics(services: ServicesDep) -> PlainTextResponse:
+    """Jobs by process and status, the longest wait, and open event streams, counted now."""
+    return PlainTextResponse(render_metrics(services), media_type=METRICS_MEDIA_TYPE)
+
+
+def _ask(check: Callable[[Services], str | None], services: Services) -> str | None:
+    """What is wrong, in words without addresses or passwords; None if nothing is."""
+    try:
+        return check(services)
+    except Exception as error:  # noqa: BLE001 - whatever a driver raises means the same here
+        return type(error).__name__

@@ -1,0 +1,111 @@
+"""Jobs: look, list, dismiss, retry."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import BeforeValidator, Field
+from starlette.concurrency import run_in_threadpool
+
+from api.idempotency import REPLAYED, Once, fingerprint_of
+from api.job_documents import describe_job, list_jobs
+from api.links import job_path
+from api.paging import add_next_link
+from api.parameters import Cursor, IdempotencyKey, JobId, PageLimit, PreferencesDep, split_commas
+from api.responses import problems
+from api.ringing import ring
+from api.schemas.job import JobList, JobStatus, StatusInfo
+from api.services import Services, ServicesDep
+from api.waiting import has_ended, has_left, wait_until
+from store.idempotency import Reply
+from store.job import Job
+
+router = APIRouter(prefix="/jobs", tags=["Jobs"])
+
+DISMISS_S = 3.0  # a worker looks for dismissals every heartbeat and kills at once
+
+ProcessFilter = Annotated[
+    tuple[Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")], ...],
+    BeforeValidator(split_commas),
+    Query(alias="processID", description="Any of these processes; repeat the parameter or separate by commas"),
+]
+StatusFilter = Annotated[
+    tuple[JobStatus, ...],
+    BeforeValidator(split_commas),
+    Query(description="Any of these statuses; repeat the parameter or separate by commas"),
+]
+
+
+@router.get("", operation_id="listJobs", response_model_exclude_none=True, responses=problems(422))
+def get_jobs(
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    status: StatusFilter = (),
+    process_id: ProcessFilter = (),
+    limit: PageLimit = 50,
+    cursor: Cursor = None,
+) -> JobList:
+    """The jobs of this server, newest first."""
+    page = services.jobs.list(status=status, process=process_id, limit=limit, cursor=cursor)
+    query = [("status", one) for one in status] + [("processID", one) for one in process_id] + [("limit", str(limit))]
+    jobs = list_jobs(request, page, query)
+    add_next_link(response, jobs.links)
+    return jobs
+
+
+@router.get("/{job_id}", operation_id="getJob", response_model_exclude_none=True, responses=problems(404))
+async def get_job(
+    job_id: JobId, request: Request, response: Response, services: ServicesDep, preferences: PreferencesDep
+) -> StatusInfo:
+    """How a job stands. With `Prefer: wait=N` the answer comes when its status changes, or after N seconds."""
+    job = await run_in_threadpool(services.jobs.get, job_id)
+    if not job.status.is_finished:
+        job = await wait_until(services, job, preferences.wait_s, has_left(job.status))
+    response.headers.update(preferences.applied())
+    return await _described(services, request, job)
+
+
+@router.delete("/{job_id}", operation_id="dismissJob", response_model_exclude_none=True, responses=problems(404))
+async def dismiss_job(job_id: JobId, request: Request, services: ServicesDep) -> StatusInfo:
+    """Take a job back. A waiting one is dismissed at once; a running one is killed, and the answer waits a moment for that;
+    a finished one is removed with its results."""
+    job = await run_in_threadpool(services.jobs.dismiss, job_id)
+    if not job.status.is_finished:
+        job = await wait_until(services, job, DISMISS_S, has_ended)
+    return describe_job(request, job)
+
+
+@router.post(
+    "/{job_id}/retry",
+    operation_id="retryJob",
+    status_code=202,
+    response_model_exclude_none=True,
+    responses=problems(404, 409, 422),
+)
+async def retry_job(
+    job_id: JobId, request: Request, response: Response, services: ServicesDep, idempotency_key: IdempotencyKey = None
+) -> StatusInfo:
+    """Run a failed or dismissed job once more, with the same inputs and under the same id."""
+    job, replayed = await run_in_threadpool(_queue_again, services, job_id, idempotency_key)
+    response.headers["Location"] = job_path(job.id)
+    if replayed:
+        response.headers[REPLAYED] = "true"
+    return await _described(services, request, job)
+
+
+def _queue_again(services: Services, job_id: str, key: str | None) -> tuple[Job, bool]:
+    """The job, and whether an earlier request with this key queued it."""
+    once = Once(services, key, fingerprint_of("POST", f"{job_path(job_id)}/retry", None))
+    with once.attempt() as earlier:
+        if earlier is not None:
+            return services.jobs.get(job_id), True
+        job = services.jobs.retry(job_id)
+        once.remember(Reply(202, {"Location": job_path(job_id)}, {"job": job_id}))
+    ring(services, job)
+    return job, False
+
+
+async def _described(services: Services, request: Request, job: Job) -> StatusInfo:
+    return describe_job(request, job, await run_in_threadpool(services.jobs.queue_position, job.id))

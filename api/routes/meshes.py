@@ -1,0 +1,165 @@
+"""Uploaded meshes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import anyio
+from fastapi import APIRouter, Depends, Query, Request, Response
+from starlette.concurrency import run_in_threadpool
+
+from api.downloads import Download, send_download
+from api.idempotency import REPLAYED, Once, fingerprint_of
+from api.intake import limits_of, name_of, parse, require_unit
+from api.links import BASE, mesh_path
+from api.mesh_documents import describe_mesh, list_meshes
+from api.paging import add_next_link
+from api.parameters import Cursor, IdempotencyKey, MeshId, PageLimit
+from api.request_folder import request_folder
+from api.responses import files, problems
+from api.schemas.mesh import MeshInfo, MeshList
+from api.services import Services, ServicesDep
+from api.upload_form import ReceivedFile, receive_file
+from sandbox.call import call
+from store.idempotency import Reply
+from store.meshes import MeshRecord
+
+router = APIRouter(prefix="/meshes", tags=["Meshes"])
+
+EXPORT_TARGET = "core.processes.export:run"
+FileFormat = Literal["original", "stl", "stl-ascii", "mat", "ply", "obj"]
+_UPLOAD_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["file"],
+                    "properties": {
+                        "file": {"type": "string", "format": "binary", "description": "STL, MAT (v5 to v7.3), PLY or OBJ"},
+                        "unit": {
+                            "type": "string",
+                            "enum": ["m", "cm", "mm", "in"],
+                            "default": "mm",
+                            "description": "Unit of the coordinates in the file",
+                        },
+                        "name": {"type": "string", "description": "Name of the mesh; the file's name without one"},
+                    },
+                }
+            }
+        },
+    }
+}
+
+
+def _folder_of(services: ServicesDep) -> Iterator[Path]:
+    """Scratch space until the answer is out."""
+    with request_folder(services.incoming_dir) as folder:
+        yield folder
+
+
+FolderDep = Annotated[Path, Depends(_folder_of)]
+
+
+@router.post(
+    "",
+    operation_id="uploadMesh",
+    status_code=201,
+    response_model_exclude_none=True,
+    responses=problems(409, 413, 415, 422, 503, 507),
+    openapi_extra=_UPLOAD_BODY,
+)
+async def upload_mesh(
+    request: Request, response: Response, services: ServicesDep, idempotency_key: IdempotencyKey = None
+) -> MeshInfo:
+    """Send a mesh. It is read at once: the answer says what was found in it, or what is wrong with it."""
+    with request_folder(services.incoming_dir) as folder:
+        received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes)
+        record, replayed = await anyio.to_thread.run_sync(
+            _take_in, services, received, folder, idempotency_key, limiter=services.intake_slots
+        )
+    response.headers["Location"] = mesh_path(record.id)
+    if replayed:
+        response.headers[REPLAYED] = "true"
+    return describe_mesh(request, record)
+
+
+def _take_in(services: Services, received: ReceivedFile, folder: Path, key: str | None) -> tuple[MeshRecord, bool]:
+    """The mesh, and whether an earlier request with this key made it."""
+    unit = require_unit(received)
+    told = {"file": received.sha256, "file_name": received.file_name, "unit": unit, "name": name_of(received)}
+    once = Once(services, key, fingerprint_of("POST", f"{BASE}/meshes", told))
+    with once.attempt() as earlier:
+        if earlier is not None:
+            return services.meshes.get(str(earlier.body["mesh"])), True
+        upload = parse(services, received, unit, folder)
+        record = services.meshes.create(upload)  # copies two files, so not within a transaction of ours
+        once.remember(Reply(201, {"Location": mesh_path(record.id)}, {"mesh": record.id}))
+    return record, False
+
+
+@router.get("", operation_id="listMeshes", response_model_exclude_none=True, responses=problems(422))
+def get_meshes(
+    request: Request, response: Response, services: ServicesDep, limit: PageLimit = 50, cursor: Cursor = None
+) -> MeshList:
+    """The uploaded meshes, newest first."""
+    meshes = list_meshes(request, services.meshes.list(limit=limit, cursor=cursor), [("limit", str(limit))])
+    add_next_link(response, meshes.links)
+    return meshes
+
+
+@router.get("/{mesh_id}", operation_id="getMesh", response_model_exclude_none=True, responses=problems(404))
+def get_mesh(mesh_id: MeshId, request: Request, services: ServicesDep) -> MeshInfo:
+    """What is known of one mesh."""
+    return describe_mesh(request, services.meshes.get(mesh_id))
+
+
+@router.delete("/{mesh_id}", operation_id="deleteMesh", status_code=204, responses=problems(404))
+def delete_mesh(mesh_id: MeshId, services: ServicesDep) -> None:
+    """Forget a mesh. Jobs that were accepted with it keep its bytes and go on."""
+    services.meshes.delete(mesh_id)
+
+
+@router.head("/{mesh_id}/file", include_in_schema=False)
+@router.get(
+    "/{mesh_id}/file",
+    operation_id="getMeshFile",
+    response_class=Response,
+    responses=files("The file", "application/octet-stream", "model/stl") | problems(422, 413),
+)
+async def get_mesh_file(
+    mesh_id: MeshId,
+    request: Request,
+    services: ServicesDep,
+    folder: FolderDep,
+    file_format: Annotated[
+        FileFormat, Query(alias="format", description="`original`: the bytes as sent; all others in mm, as jobs read the mesh")
+    ] = "original",
+) -> Response:
+    """The mesh as a file."""
+    record = await run_in_threadpool(services.meshes.get, mesh_id)
+    if file_format == "original":
+        path = services.blobs.path(record.sha256)
+        return send_download(
+            request, Download(path, record.size_bytes, record.sha256, "application/octet-stream", record.file_name)
+        )
+    download = await anyio.to_thread.run_sync(_export, services, record, file_format, folder, limiter=services.intake_slots)
+    return send_download(request, download)
+
+
+def _export(services: Services, record: MeshRecord, file_format: str, folder: Path) -> Download:
+    path = folder / "export"
+    payload = {
+        "path": str(services.blobs.path(record.canonical_sha256).absolute()),
+        "out_path": str(path),
+        "format": file_format,
+        "name": record.name,
+    }
+    told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder)
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    return Download(path, path.stat().st_size, sha256, told["media_type"], record.name + told["extension"])

@@ -1,0 +1,86 @@
+"""The catalogue, and the way in: execution."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body, Request, Response
+from starlette.concurrency import run_in_threadpool
+
+from api.execution import find_and_read, resolve_meshes
+from api.idempotency import REPLAYED, Once, fingerprint_of
+from api.job_documents import describe_job
+from api.links import BASE, job_path
+from api.parameters import IdempotencyKey, PreferencesDep
+from api.process_documents import describe_process, find_process, list_processes
+from api.responses import problems
+from api.ringing import ring
+from api.schemas.execution import ExecuteRequest
+from api.schemas.job import StatusInfo
+from api.schemas.process import Process, ProcessList
+from api.services import Services, ServicesDep
+from api.waiting import has_ended, wait_until
+from store.idempotency import Reply
+from store.job import Job
+
+router = APIRouter(prefix="/processes", tags=["Processes"])
+
+MAX_BODY_BYTES = 1024 * 1024
+
+
+@router.get("", operation_id="listProcesses", response_model_exclude_none=True, responses=problems())
+def get_processes(request: Request) -> ProcessList:
+    """What this server can do."""
+    return list_processes(request)
+
+
+@router.get("/{process_id}", operation_id="getProcess", response_model_exclude_none=True, responses=problems(404))
+def get_process(process_id: str, request: Request) -> Process:
+    """One process with the schema of every input."""
+    return describe_process(request, find_process(process_id))
+
+
+@router.post(
+    "/{process_id}/execution",
+    operation_id="executeProcess",
+    status_code=201,
+    response_model_exclude_none=True,
+    responses=problems(404, 409, 413, 415, 422),
+    max_body_size=MAX_BODY_BYTES,
+)
+async def execute_process(
+    process_id: str,
+    body: Annotated[ExecuteRequest, Body()],
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    preferences: PreferencesDep,
+    idempotency_key: IdempotencyKey = None,
+) -> StatusInfo:
+    """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
+    job, replayed = await run_in_threadpool(_accept, services, request, process_id, body, idempotency_key)
+    job = await wait_until(services, job, preferences.wait_s, has_ended)
+    response.headers["Location"] = job_path(job.id)
+    response.headers.update(preferences.applied())
+    if replayed:
+        response.headers[REPLAYED] = "true"
+    position = await run_in_threadpool(services.jobs.queue_position, job.id)
+    return describe_job(request, job, position)
+
+
+def _accept(services: Services, request: Request, process_id: str, body: ExecuteRequest, key: str | None) -> tuple[Job, bool]:
+    """The job, and whether an earlier request with this key made it."""
+    process, inputs = find_and_read(process_id, body)
+    path = f"{BASE}/processes/{process_id}/execution"
+    once = Once(services, key, fingerprint_of("POST", path, body.model_dump(mode="json")))
+    with once.attempt() as earlier:
+        if earlier is not None:
+            return services.jobs.get(str(earlier.body["job"])), True
+        stored, meshes = resolve_meshes(services, inputs)
+        with services.db.session() as session:
+            job = services.jobs.create(
+                process.id, stored, mesh_inputs=meshes, max_attempts=services.settings.max_attempts, session=session
+            )
+            once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
+    ring(services, job)
+    return job, False

@@ -1,0 +1,112 @@
+"""What a job made: the document of references, the files, and the report."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Request
+from fastapi.responses import JSONResponse
+from starlette.responses import Response
+
+from api.downloads import Download, send_download
+from api.job_documents import REPORT_HTML_OUTPUT, REPORT_OUTPUT, describe_failure, refer_to_results
+from api.links import job_path
+from api.negotiation import prefers
+from api.outcome import no_such_output, require_results
+from api.parameters import JobId
+from api.responses import files, problems
+from api.schemas.job import Results
+from api.services import Services, ServicesDep
+from core.errors import StateError
+from store.job import Job, JobOutput
+
+router = APIRouter(prefix="/jobs/{job_id}", tags=["Results"])
+
+# the report draws itself: inline styles and pictures, nothing that runs and nothing from elsewhere
+REPORT_POLICY = (
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; sandbox"
+)
+
+
+@router.get("/results", operation_id="getResults", responses=problems(404, 409, 413, 422))
+def get_results(job_id: JobId, request: Request, services: ServicesDep) -> Results:
+    """Every output of a successful job, by reference. A failed job answers with the problem it failed of."""
+    return refer_to_results(request, require_results(services.jobs.get(job_id)))
+
+
+@router.head("/results/{output}", include_in_schema=False)
+@router.get(
+    "/results/{output}",
+    operation_id="getResult",
+    response_class=Response,
+    responses=files("The output", "application/zip", "application/json", "text/html", "model/stl") | problems(409, 413, 422),
+)
+def get_result(
+    job_id: JobId,
+    output: Annotated[str, Path(description="Name of the output")],
+    request: Request,
+    services: ServicesDep,
+) -> Response:
+    """One output as a file. A failed job may have left some too: its report."""
+    job = services.jobs.get(job_id)
+    found = job.outputs.get(output)
+    if found is None:
+        raise no_such_output(require_results(job), output)
+    return send_download(request, _download(services, found))
+
+
+@router.head("/report", include_in_schema=False)
+@router.get(
+    "/report",
+    operation_id="getReport",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The report; JSON adds `job` and `timings_s`, which are not part of the result",
+            "content": {"application/json": {"schema": {"$ref": "#/components/schemas/Report"}}, "text/html": {}},
+        },
+        **problems(404),
+    },
+)
+def get_report(job_id: JobId, request: Request, services: ServicesDep) -> Response:
+    """The report of a successful or failed job, for programs (JSON) or people (HTML), as `Accept` asks."""
+    job = services.jobs.get(job_id)
+    as_html = prefers(request.headers.get("accept"), "text/html", "application/json")
+    found = job.outputs.get(REPORT_HTML_OUTPUT if as_html else REPORT_OUTPUT)
+    if found is None:
+        raise StateError("job.no_report", f"job {job.id} is {job.status} and has no report", job=job.id, status=job.status.value)
+    if as_html:
+        download = _download(services, found, inline=True)
+        return send_download(request, download, extra_headers={"Content-Security-Policy": REPORT_POLICY, "Vary": "Accept"})
+    with services.blobs.open(found.sha256) as file:
+        report: dict[str, Any] = json.load(file)
+    return JSONResponse({**report, "job": _about(job), "timings_s": dict(job.timings_s)}, headers={"Vary": "Accept"})
+
+
+def _about(job: Job) -> dict[str, Any]:
+    """What belongs to this run and not to its result."""
+    failure = describe_failure(job)
+    moments = {"created": job.created_at, "started": job.started_at, "finished": job.finished_at}
+    return {
+        "id": job.id,
+        "href": job_path(job.id),
+        "process": job.process,
+        "status": job.status.value,
+        "attempt": job.attempt,
+        **{name: moment.isoformat() for name, moment in moments.items() if moment is not None},
+        "peak_memory_bytes": job.peak_memory_bytes,
+        "failure": failure.model_dump(mode="json") if failure is not None else None,
+    }
+
+
+def _download(services: Services, output: JobOutput, *, inline: bool = False) -> Download:
+    return Download(
+        path=services.blobs.path(output.sha256),
+        size=output.size,
+        sha256=output.sha256,
+        media_type=output.media_type,
+        file_name=output.file_name,
+        inline=inline,
+    )

@@ -1,0 +1,40 @@
+"""Uploaded meshes."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field
+
+from api.schemas.document import Document
+from api.schemas.link import Link
+from core.schema.finding import Finding
+
+Unit = Literal["m", "cm", "mm", "in"]
+
+
+class MeshInfo(Document):
+    """A mesh this server holds. Lengths are in mm, whatever the unit of the file was."""
+
+    id: str
+    name: str
+    file_name: str = Field(description="As sent")
+    unit: Unit = Field(description="Of the file, as the uploader said")
+    format: str = Field(description="stl, mat, ply or obj, by content")
+    size_bytes: int = Field(description="Of the file as sent")
+    sha256: str = Field(description="Of the file as sent")
+    vertices: int
+    faces: int
+    extents_mm: tuple[float, float, float]
+    findings: tuple[Finding, ...] = Field(description="What was noticed while reading: merged vertices, suspicious unit, ...")
+    created: datetime
+    links: tuple[Link, ...]
+
+
+class MeshList(Document):
+    """A page of meshes, newest first."""
+
+    meshes: tuple[MeshInfo, ...]
+    next: str | None = Field(None, description="Cursor of the next page; absent on the last")
+    links: tuple[Link, ...]

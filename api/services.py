@@ -1,0 +1,82 @@
+"""What every route may use, made once per application."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import anyio
+from fastapi import Depends, Request
+
+from api.drain import Drain
+from api.stream_slots import StreamSlots
+from sandbox.nursery import Nursery
+from store.backlog import Backlog
+from store.blobs import Blobs
+from store.database import Database
+from store.doorbell import Doorbell
+from store.events import Events
+from store.idempotency import IdempotencyKeys
+from store.jobs import Jobs
+from store.mesh_inputs import MeshInputs
+from store.meshes import Meshes
+from store.settings import Settings
+
+CONCURRENT_INTAKES = 2  # each may use intake_memory_bytes
+INTAKE_MODULES = ("core.processes.intake", "core.processes.export")
+
+
+@dataclass(frozen=True, slots=True)
+class Services:
+    """All of it is thread-safe."""
+
+    settings: Settings
+    db: Database
+    blobs: Blobs
+    meshes: Meshes
+    mesh_inputs: MeshInputs
+    jobs: Jobs
+    events: Events
+    backlog: Backlog
+    keys: IdempotencyKeys
+    doorbell: Doorbell
+    nursery: Nursery
+    intake_slots: anyio.CapacityLimiter
+    streams: StreamSlots
+    drain: Drain
+
+    @property
+    def incoming_dir(self) -> Path:
+        """Uploads on their way in and conversions on their way out; one folder per request, removed at its end."""
+        return self.settings.data_dir / "incoming"
+
+
+def make_services(settings: Settings) -> Services:
+    """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
+    db, blobs = Database(settings), Blobs(settings.blob_dir)
+    return Services(
+        settings=settings,
+        db=db,
+        blobs=blobs,
+        meshes=Meshes(db, blobs),
+        mesh_inputs=MeshInputs(db, blobs),
+        jobs=Jobs(db),
+        events=Events(db),
+        backlog=Backlog(db),
+        keys=IdempotencyKeys(db, settings.idempotency_hours),
+        doorbell=Doorbell(settings.broker_url, settings.queue),
+        nursery=Nursery(preload=INTAKE_MODULES),
+        intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
+        streams=StreamSlots(settings.event_streams),
+        drain=Drain(),
+    )
+
+
+def services_of(request: Request) -> Services:
+    """The services of the application that serves `request`."""
+    services: Services = request.app.state.services
+    return services
+
+
+ServicesDep = Annotated[Services, Depends(services_of)]
