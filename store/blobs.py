@@ -7,6 +7,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import hashlib
+import io
 import os
 import re
 import stat
@@ -15,6 +16,7 @@ import time
 from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -52,24 +54,18 @@ class Blobs:
             if error.errno in (errno.ELOOP, errno.ENXIO):
                 raise InternalError("blob.not_a_file", f"{path.name} is not a regular file") from error
             raise
-        with os.fdopen(handle, "rb") as source:
+        try:
             if not stat.S_ISREG(os.fstat(handle).st_mode):
                 raise InternalError("blob.not_a_file", f"{path.name} is not a regular file")
-            return self._put(source.read)
+            return self._put(partial(os.read, handle))
+        finally:
+            os.close(handle)
 
     def put_bytes(self, data: bytes) -> Blob:
         """Store bytes. Raises LimitError `storage.full`."""
-        view = memoryview(data)
-        position = 0
+        return self._put(io.BytesIO(data).read)
 
-        def read(count: int) -> memoryview:
-            nonlocal position
-            position += count
-            return view[position - count : position]
-
-        return self._put(read)
-
-    def _put(self, read: Callable[[int], bytes | memoryview]) -> Blob:
+    def _put(self, read: Callable[[int], bytes]) -> Blob:
         digest, size = hashlib.sha256(), 0
         try:
             handle, name = tempfile.mkstemp(dir=self._incoming)
@@ -79,10 +75,11 @@ class Blobs:
                         digest.update(chunk)
                         size += target.write(chunk)
                     target.flush()
-                    os.fchmod(target.fileno(), 0o440)
-                    os.fsync(target.fileno())
-                blob = Blob(digest.hexdigest(), size)
-                self._place(Path(name), blob)
+                    blob = Blob(digest.hexdigest(), size)
+                    if not self._has(blob):
+                        os.fchmod(handle, 0o440)
+                        os.fsync(handle)
+                        self._place(Path(name), blob)
             finally:
                 Path(name).unlink(missing_ok=True)
         except OSError as error:
@@ -91,12 +88,16 @@ class Blobs:
             raise
         return blob
 
+    def _has(self, blob: Blob) -> bool:
+        """True if it is there; then it is made young, as by `touch`."""
+        try:
+            return self.path(blob.sha256).stat().st_size == blob.size and self.touch(blob.sha256)
+        except FileNotFoundError:
+            return False
+
     def _place(self, temporary: Path, blob: Blob) -> None:
         place = self.path(blob.sha256)
-        with self._locked(fcntl.LOCK_SH):
-            if place.exists() and place.stat().st_size == blob.size:
-                os.utime(place)  # young again: a sweep under way must not take it before its new row is there
-                return
+        with self._locked(fcntl.LOCK_SH):  # or a sweep that judged the file in this place would take the new one
             place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
             temporary.rename(place)
             for folder in (place.parent, place.parent.parent, self._root):
