@@ -1,0 +1,5 @@
+"""The command line `integument`."""
+
+from integument.cli.main import main
+
+__all__ = ["main"]

@@ -1,0 +1,139 @@
+"""The commands that run a process: `shells`, `validate`, `run`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import REGION_FORM, read_layers, read_region
+from integument.cli.mesh_argument import is_held, name_meshes, require_mesh
+from integument.cli.progress import ProgressView
+from integument.cli.session import Session, connect
+from integument.client import Unit
+from integument.errors import ArgumentError
+
+UnitOption: TypeAlias = Annotated[Unit, typer.Option(help="Unit of the coordinates in the files.")]
+ReportOption: TypeAlias = Annotated[
+    Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.command()(shells)
+    app.command()(validate)
+    app.command()(run)
+
+
+def shells(
+    ctx: typer.Context,
+    skin: Annotated[str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")],
+    unit: UnitOption = "mm",
+    layer: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=DEPTH", help="Layer and its depth in mm; repeat, from outside inwards. Default fat=1 average_body=3."
+        ),
+    ] = None,
+    region: Annotated[
+        list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
+    ] = None,
+    thin_policy: Annotated[
+        Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
+    ] = "adapt",
+    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Build nested shells inside a skin, proven free of intersections."""
+    options = options_of(ctx)
+    inputs: dict[str, Any] = {"thin_policy": thin_policy}
+    if layer:
+        inputs["layers"] = [{"name": name, "depth_mm": depth_mm} for name, depth_mm in read_layers(layer).items()]
+    if region:
+        inputs["regions"] = [read_region(text).as_input() for text in region]
+    if min_gap is not None:
+        inputs["min_gap_mm"] = min_gap
+    wanted = Wanted({} if output is None else {"package": output}, report)
+    wanted.require_room()
+    require_mesh(skin)
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["skin"] = _reference(session, view, skin, unit)
+        raise typer.Exit(run_to_end(session, options, "shells", inputs, wanted))
+
+
+def validate(
+    ctx: typer.Context,
+    meshes: Annotated[
+        list[str], typer.Argument(help="Mesh files or /v1/meshes/{id}; several are also checked against each other.")
+    ],
+    unit: UnitOption = "mm",
+    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Meshes closer than this are an error.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Check meshes: closed, manifold, outward, free of intersections, nested, apart."""
+    options = options_of(ctx)
+    wanted = Wanted(report_html=report)
+    wanted.require_room()
+    named = name_meshes([require_mesh(mesh) for mesh in meshes])
+    inputs: dict[str, Any] = {} if min_gap is None else {"min_gap_mm": min_gap}
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["meshes"] = {name: _reference(session, view, mesh, unit) for name, mesh in named.items()}
+        raise typer.Exit(run_to_end(session, options, "validate", inputs, wanted))
+
+
+def run(
+    ctx: typer.Context,
+    process: Annotated[str, typer.Argument(help="Process id, see `integument processes`.")],
+    inputs: Annotated[Path, typer.Option(help="JSON file with the inputs; - reads them from stdin.")],
+    output: Annotated[
+        list[str] | None, typer.Option("--output", "-o", metavar="NAME=FILE", help="Output to fetch and where to; repeat.")
+    ] = None,
+    report: ReportOption = None,
+) -> None:
+    """Run any process with inputs from a JSON file."""
+    options = options_of(ctx)
+    wanted = Wanted(dict(_read_output(text) for text in output or ()), report)
+    wanted.require_room()
+    document = _read_inputs(inputs)
+    with connect(options) as session:
+        raise typer.Exit(run_to_end(session, options, process, document, wanted))
+
+
+def _reference(session: Session, view: ProgressView, mesh: str, unit: Unit) -> dict[str, str]:
+    if is_held(mesh):
+        return {"href": mesh}
+    on_bytes = view.transfer(f"upload {Path(mesh).name}")
+    return {"href": session.client.upload_mesh(mesh, unit=unit, on_bytes=on_bytes).href}
+
+
+def _read_output(text: str) -> tuple[str, Path]:
+    name, sign, path = text.partition("=")
+    if not (name and sign and path):
+        raise ArgumentError(f"--output {text}: wanted is name=file, as package=package.zip")
+    return name, Path(path)
+
+
+def _read_inputs(path: Path) -> dict[str, Any]:
+    """The inputs object itself, or a whole execute request that holds it."""
+    try:
+        text = sys.stdin.read() if str(path) == "-" else path.read_text(encoding="utf-8")
+        document = json.loads(text)
+    except OSError as error:
+        raise ArgumentError(f"cannot read {path}: {error.strerror or error}") from error
+    except ValueError as error:
+        raise ArgumentError(f"{path} is no JSON: {error}") from error
+    inputs = document.get("inputs", document) if isinstance(document, dict) else document
+    if not isinstance(inputs, dict):
+        raise ArgumentError(f"{path} holds no JSON object with the inputs")
+    return inputs

@@ -1,0 +1,145 @@
+"""How a running job looks: a bar on a terminal, plain lines elsewhere, JSON lines with --json, nothing with --quiet."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from types import TracebackType
+from typing import Protocol, Self
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from integument.event import JobEvent
+from integument.upload import OnBytes
+
+LINE_EVERY_PERCENT = 5.0
+MEGABYTE = 1e6
+
+
+class ProgressView(Protocol):
+    """A context that is told what happens."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None: ...
+
+    def on_event(self, event: JobEvent) -> None:
+        """Something happened to the job."""
+
+    def transfer(self, label: str) -> OnBytes:
+        """A place for an upload or download to tell how far it is."""
+
+
+class Silent:
+    """--quiet."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        return None
+
+    def on_event(self, event: JobEvent) -> None:
+        """Nothing."""
+
+    def transfer(self, label: str) -> OnBytes:
+        """Nothing."""
+        return lambda _done, _total: None
+
+
+class JsonLines(Silent):
+    """--json: one line per event on stderr; transfers are not told."""
+
+    def on_event(self, event: JobEvent) -> None:
+        """The event as the server sent it."""
+        line = {"event": event.type, "id": event.id, **event.data}
+        sys.stderr.write(json.dumps(line, ensure_ascii=False) + "\n")
+
+
+class Lines(Silent):
+    """No terminal: a line when a phase begins or five percent are done, and every line of the job's log."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._started = time.monotonic()
+        self._phase = ""
+        self._told = -LINE_EVERY_PERCENT
+
+    def on_event(self, event: JobEvent) -> None:
+        """Prints at most one line."""
+        progress = event.progress
+        if event.type == "log":
+            self._print(f"       {event.message}")
+        elif event.type == "progress" and progress is not None:
+            if event.phase != self._phase or progress >= self._told + LINE_EVERY_PERCENT:
+                self._phase, self._told = event.phase, progress
+                self._print(f"{progress:4.0f} % {event.phase}  {event.message}".rstrip())
+        elif event.type == "status":
+            self._print(f"       {event.data.get('status', '')} {event.message}".rstrip())
+
+    def transfer(self, label: str) -> OnBytes:
+        """One line when it is done."""
+
+        def on_bytes(done: int, total: int) -> None:
+            if done == total:
+                self._print(f"       {label} ({total / MEGABYTE:.1f} MB)")
+
+        return on_bytes
+
+    def _print(self, text: str) -> None:
+        elapsed_s = time.monotonic() - self._started
+        self._console.print(f"{elapsed_s:6.1f} s {text}", soft_wrap=True, highlight=False, markup=False)
+
+
+class Bar:
+    """A terminal: phase, bar, percent, message, elapsed."""
+
+    def __init__(self, console: Console) -> None:
+        self._progress = Progress(
+            TextColumn("{task.description:<20}"),
+            BarColumn(bar_width=30),
+            TextColumn("{task.percentage:3.0f} %"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[message]}"),
+            console=console,
+        )
+        self._job: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._progress.stop()
+
+    def on_event(self, event: JobEvent) -> None:
+        """Moves the bar; log lines scroll above it."""
+        if self._job is None:
+            self._job = self._progress.add_task("waiting", total=100.0, message="")
+        if event.type == "log":
+            self._progress.console.print(f"  {event.message}", style="dim", highlight=False, markup=False)
+            return
+        if event.phase:
+            self._progress.update(self._job, description=escape(event.phase))
+        self._progress.update(self._job, completed=event.progress, message=escape(event.message))
+
+    def transfer(self, label: str) -> OnBytes:
+        """A bar of its own."""
+        task = self._progress.add_task(escape(label), total=None, message="")
+
+        def on_bytes(done: int, total: int) -> None:
+            self._progress.update(task, completed=done, total=total, message=f"{total / MEGABYTE:.1f} MB")
+
+        return on_bytes
+
+
+def choose_view(console: Console, *, as_json: bool = False, quiet: bool = False) -> ProgressView:
+    """What fits the console and the options."""
+    if quiet:
+        return Silent()
+    if as_json:
+        return JsonLines()
+    return Bar(console) if console.is_terminal else Lines(console)

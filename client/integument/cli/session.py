@@ -1,0 +1,49 @@
+"""The server of this call, and the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from integument.cli.progress import ProgressView, choose_view
+from integument.cli.screen import Screen
+from integument.client import Client
+from integument.embedded import EmbeddedServer
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What holds for every command."""
+
+    server: str | None
+    screen: Screen
+
+    def progress_view(self) -> ProgressView:
+        """A fresh one."""
+        return choose_view(self.screen.errors, as_json=self.screen.as_json, quiet=self.screen.quiet)
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A client, and whether its server goes when this call ends."""
+
+    client: Client
+    ends_with_call: bool
+
+
+@contextmanager
+def connect(options: Options) -> Iterator[Session]:
+    """The server named by --server or INTEGUMENT_URL, else an embedded one for this call.
+
+    Raises: ServerNotInstalledError, ServerStartError, ArgumentError (no address).
+    """
+    if options.server:
+        with Client(options.server) as client:
+            yield Session(client, ends_with_call=False)
+        return
+    server = EmbeddedServer()
+    if server.folder.running_url() is None:
+        options.screen.note(f"No server is configured; using an embedded one with its data in {server.folder.path}.")
+    with server, Client(server.url) as client:
+        yield Session(client, ends_with_call=server.started_here)

@@ -1,0 +1,49 @@
+"""The server, if it is installed beside this client: entry point `serve` of the group `integument.server`."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+
+from integument.data_folder import DataFolder
+from integument.errors import ServerNotInstalledError
+from integument.file_lock import FileLock
+
+GROUP = "integument.server"
+NAME = "serve"
+
+
+def server_is_installed() -> bool:
+    """Nothing is imported."""
+    return _find() is not None
+
+
+def run_server(*, data_dir: Path, host: str, port: int, while_used: bool = False) -> int:
+    """Run the server in this process until it is asked to stop; returns its exit code.
+
+    while_used: stop when no call holds `clients.lock` any more.
+    Raises: ServerNotInstalledError.
+    """
+    entry = _find()
+    if entry is None:
+        raise ServerNotInstalledError
+    serve: Callable[..., int] = entry.load()
+    if while_used:
+        lock = FileLock(DataFolder(data_dir).clients_lock)
+        threading.Thread(target=_stop_when_free, args=(lock,), daemon=True, name="users").start()
+    return serve(data_dir=data_dir, host=host, port=port)
+
+
+def _find() -> EntryPoint | None:
+    return next(iter(entry_points(group=GROUP, name=NAME)), None)
+
+
+def _stop_when_free(lock: FileLock) -> None:
+    with lock:
+        os.kill(os.getpid(), signal.SIGTERM)
+        # kept to the end of this process: a call that comes now waits, and then starts a new server
+        threading.Event().wait()
