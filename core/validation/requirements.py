@@ -1,0 +1,53 @@
+"""What an algorithm may ask of its input; a failure is the input's, with the places to look at."""
+
+from __future__ import annotations
+
+from core.errors import InputError
+from core.mesh import Mesh
+from core.schema.finding import Finding, Severity
+from core.validation.closed import check_closed
+from core.validation.components import check_components
+from core.validation.faces import check_degenerate_faces, check_duplicate_faces
+from core.validation.manifold import check_edge_manifold, check_vertex_manifold
+from core.validation.orientation import check_orientation, check_outward
+from core.validation.self_intersection import check_self_intersection
+from core.validation.surface import Surface
+from core.validation.vertices import check_coincident_vertices
+
+HINT = "Mend it with the process `heal`, or in the program it comes from"
+
+
+def require_fit_skin(mesh: Mesh, name: str) -> None:
+    """Ask for one closed, manifold, outward surface that does not run through itself.
+
+    Raises: InputError with the findings of all checks that failed and the code of the first of them, in this order:
+    `skin.degenerate`, `skin.not_manifold`, `skin.not_closed`, `skin.not_oriented`, `skin.inside_out`,
+    `skin.several_bodies`, `skin.self_touching`, `skin.self_intersecting`.
+    """
+    surface = Surface(name, mesh)
+    failed: list[tuple[str, Finding]] = []
+    for code, checks in (
+        ("skin.degenerate", (check_degenerate_faces,)),
+        ("skin.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+        ("skin.not_closed", (check_closed,)),
+        ("skin.not_oriented", (check_orientation,)),
+        ("skin.inside_out", (check_outward,)),
+        ("skin.several_bodies", (check_components,)),
+        ("skin.self_touching", (check_coincident_vertices,)),
+        ("skin.self_intersecting", (check_self_intersection,)),
+    ):
+        # several pieces are no fault of a mesh, but one of a skin
+        failed += [
+            (code, finding.model_copy(update={"severity": Severity.ERROR})) for check in checks for finding in check(surface)
+        ]
+    if not failed:
+        return
+    code, first = failed[0]
+    findings = tuple(finding for _code, finding in failed)
+    raise InputError(
+        code,
+        f"{first.message}. {HINT}",
+        findings=findings,
+        count=first.count,
+        failed_checks=len(failed),
+    )
