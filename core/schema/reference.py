@@ -6,6 +6,7 @@ from pydantic import Field
 
 from core.schema.model import FrozenModel
 
+CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"  # the internal form of an upload (core.io.canonical)
 MESH_HREF = r"/v1/meshes/[0-9a-f-]{36}"
 RESULT_HREF = r"/v1/jobs/[0-9a-f-]{36}/results/[A-Za-z0-9_.-]{1,64}"
 

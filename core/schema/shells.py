@@ -12,13 +12,15 @@ from core.schema.reference import MeshReference
 from core.schema.validate import MeshName
 
 DepthMm = Annotated[float, Field(gt=0, le=100, description="Distance below the skin in mm")]
+LayerName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,47}$", description="A letter, then letters, digits, _ and -")]
 Coordinates = tuple[float, float, float]
+RESERVED_NAMES = ("skin", "package", "report", "report_html")  # outputs of the process itself
 
 
 class Layer(FrozenModel):
     """One shell inside the skin."""
 
-    name: MeshName
+    name: LayerName
     depth_mm: DepthMm
 
 
@@ -40,7 +42,7 @@ class Region(FrozenModel):
 
     name: MeshName
     box_mm: Box
-    depths_mm: Annotated[dict[MeshName, DepthMm], Field(min_length=1)] = Field(description="Layer name -> depth")
+    depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] = Field(description="Layer name -> depth")
     blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
 
 
@@ -61,8 +63,9 @@ class ShellsInputs(FrozenModel):
     @model_validator(mode="after")
     def _consistent(self) -> ShellsInputs:
         names = [layer.name for layer in self.layers]
-        if len({*names, "skin"}) != len(names) + 1:
-            raise ValueError(f"layer names must differ from each other and from 'skin': {names}")
+        # they become file names, and some file systems do not tell cases apart
+        if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
+            raise ValueError(f"layer names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
         _require_increasing("layers", [layer.depth_mm for layer in self.layers])
         for region in self.regions:
             unknown = sorted(set(region.depths_mm) - set(names))

@@ -1,0 +1,205 @@
+"""Nested shells below a skin: thin where anatomy is thin, apart everywhere, proven by the caller on the files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import InputError
+from core.geometry.adjacency import edges, vertex_faces, vertex_neighbours
+from core.geometry.face_tree import FaceTree
+from core.geometry.normals import vertex_normals
+from core.mesh import Mesh, Vertices
+from core.run import SILENT, RunContext
+from core.schema.finding import MAX_PLACES, Finding, Place, Severity
+from core.schema.shells import ShellsInputs
+from core.shells.advance import Surroundings, advance
+from core.shells.clearance import Clearance, MovingSurface
+from core.shells.depth_field import limit_slope, target_depths
+from core.shells.inward_shift import inward_shift
+from core.shells.reach import measure_reach
+
+Floats = NDArray[np.float64]
+
+REACH_SHARE = 0.85  # of the medial ball's radius may be used; the rest keeps the two sides of a thin part apart
+SLOPE = 1.0  # steepest change of depth per length of skin
+SPLIT = 0.75  # in thin parts a layer takes this share of the next deeper layer's depth ...
+OUTERMOST_SHARE = 0.4  # ... or more if there are many, so that the outermost keeps this share of the deepest's
+OWN_CLEARANCE_MM = 0.01  # between faces of one shell that share no corner
+ON_TARGET = 0.05  # relative; the contract's tolerance
+ROUNDING_MM = 3e-4  # float32 moves a coordinate of a body by less
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shell:
+    """One layer as made. targets_mm, allowed_mm, depth_mm: (V,) asked for, what the reach allows, reached."""
+
+    name: str
+    mesh: Mesh
+    targets_mm: Floats
+    allowed_mm: Floats
+    depth_mm: Floats
+
+
+def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) -> tuple[Shell, ...]:
+    """Make the layers below a skin, outermost first.
+
+    Needs:    a skin that `require_fit_skin` accepts, coordinates exact in float32.
+    Promises: same connectivity as the skin; coordinates exact in float32; shells keep `min_gap_mm` from each other and the
+              skin, and are free of self-intersection as far as float64 can tell (prove it exactly on the files).
+    Raises:   InputError `layer.deeper_than_reach`, `skin.too_thin` (policy `fail`), `shells.no_room`, `region.*`.
+    Source:   thesis ch. 4-6; method in docs/algorithms/shells.md.
+    """
+    stage = run.stage("shells: depth field", 0.0, 0.05)
+    targets = target_depths(skin.vertices, inputs.layers, inputs.regions)
+    neighbours = vertex_neighbours(edges(skin.faces).ends, len(skin.vertices))
+    normals = vertex_normals(skin.vertices, skin.faces, "area")
+    reach = measure_reach(skin.vertices, normals, largest_mm=2.0 * float(targets.max()) / REACH_SHARE)
+    usable = limit_slope(REACH_SHARE * reach, skin.vertices, neighbours, SLOPE)
+    allowed = np.minimum(targets, usable)
+    _require_reachable(inputs, targets, usable)
+    if inputs.thin_policy == "fail":
+        _require_thick_enough(skin, inputs, targets, usable)
+
+    around = Surroundings(
+        skin=FaceTree.of(skin.vertices, skin.faces),
+        faces=skin.faces,
+        faces_around=vertex_faces(skin.faces, len(skin.vertices)),
+        neighbours=neighbours,
+        surface=MovingSurface(skin.vertices, skin.faces),
+    )
+    gap = inputs.min_gap_mm + ROUNDING_MM
+    stage = run.stage("shells: thinnest stack", 0.05, 0.1)
+    thinnest = _thinnest_stack(skin, inputs, around, gap, stage)
+    return _place_layers(skin, inputs, targets, allowed, around, thinnest, gap, run)
+
+
+def _place_layers(
+    skin: Mesh,
+    inputs: ShellsInputs,
+    targets: Floats,
+    allowed: Floats,
+    around: Surroundings,
+    thinnest: list[Vertices],
+    gap: float,
+    run: RunContext,
+) -> tuple[Shell, ...]:
+    """Deepest layer first, each between the thinnest form of the one outside it and the finished one inside it."""
+    shift = inward_shift(skin.vertices, skin.faces, around.faces_around)
+    shells: list[Shell] = []
+    inner: Shell | None = None
+    for row in reversed(range(len(inputs.layers))):
+        name, done = inputs.layers[row].name, len(inputs.layers) - 1 - row
+        width = 0.9 / len(inputs.layers)
+        stage = run.stage(f"shells: {name}", 0.1 + done * width, 0.1 + (done + 1) * width)
+        outer = skin.vertices if row == 0 else thinnest[row - 1]
+        obstacles = [FaceTree.of(outer, skin.faces)]
+        depth = allowed[row]
+        if inner is not None:
+            obstacles.append(FaceTree.of(inner.mesh.vertices, skin.faces))
+            share = np.maximum(_split(len(inputs.layers)), targets[row] / targets[row + 1])
+            depth = np.minimum(depth, share * inner.depth_mm)
+        vertices = advance(
+            thinnest[row],
+            skin.vertices + depth[:, None] * shift,
+            depth,
+            around,
+            Clearance(gap, OWN_CLEARANCE_MM, tuple(obstacles)),
+            stage,
+        )
+        mesh = skin.with_vertices(vertices).rounded_to_float32()
+        reached, _away = around.depth(mesh.vertices)
+        inner = Shell(name, mesh, targets[row], depth, reached)
+        shells.append(inner)
+    return tuple(reversed(shells))
+
+
+def _thinnest_stack(skin: Mesh, inputs: ShellsInputs, around: Surroundings, gap: float, run: RunContext) -> list[Vertices]:
+    """Layers as close below each other as the gap allows: where every layer starts, and falls back to.
+
+    Raises: InputError `shells.no_room` where the skin's creases leave no room even for these.
+    """
+    stack: list[Vertices] = []
+    outer = skin.vertices
+    everything = np.arange(len(skin.faces))
+    for count, layer in enumerate(inputs.layers):
+        shift = inward_shift(outer, skin.faces, around.faces_around)
+        vertices = outer + 1.1 * gap * shift
+        clearance = Clearance(gap, OWN_CLEARANCE_MM, (FaceTree.of(outer, skin.faces),))
+        crowded = around.surface.find_crowded(vertices, everything, clearance)
+        if len(crowded):
+            raise InputError(
+                "shells.no_room",
+                f"at {len(crowded)} faces there is no room for layer '{layer.name}' at a gap of {inputs.min_gap_mm:g} mm; "
+                "ask for a smaller min_gap_mm or fewer layers",
+                findings=(
+                    Finding(
+                        code="shells.no_room",
+                        severity=Severity.ERROR,
+                        message=f"no room for layer '{layer.name}' at a gap of {inputs.min_gap_mm:g} mm",
+                        count=len(crowded),
+                        places=_places(skin, crowded),
+                    ),
+                ),
+                faces=len(crowded),
+                layer=layer.name,
+                min_gap_mm=inputs.min_gap_mm,
+            )
+        stack.append(vertices)
+        outer = vertices
+        run.advance((count + 1) / len(inputs.layers))
+    return stack
+
+
+def _split(layers: int) -> float:
+    return max(SPLIT, float(OUTERMOST_SHARE ** (1 / max(layers - 1, 1))))
+
+
+def _require_reachable(inputs: ShellsInputs, targets: Floats, usable: Floats) -> None:
+    """A layer that can be kept nowhere is a mistake in the request, not thin anatomy."""
+    for row, layer in enumerate(inputs.layers):
+        if not (usable >= (1 - ON_TARGET) * targets[row]).any():
+            deepest = float(usable.max())
+            raise InputError(
+                "layer.deeper_than_reach",
+                f"layer '{layer.name}' at {layer.depth_mm:g} mm lies deeper than the body allows anywhere: {deepest:.3g} mm",
+                layer=layer.name,
+                depth_mm=layer.depth_mm,
+                deepest_mm=round(deepest, 4),
+            )
+
+
+def _require_thick_enough(skin: Mesh, inputs: ShellsInputs, targets: Floats, usable: Floats) -> None:
+    for row, layer in enumerate(inputs.layers):
+        thin = usable < (1 - ON_TARGET) * targets[row]
+        if thin.any():
+            faces = np.flatnonzero(thin[skin.faces].any(axis=1))
+            thinnest = float(usable[thin].min())
+            finding = Finding(
+                code="skin.too_thin",
+                severity=Severity.ERROR,
+                message=f"layer '{layer.name}' does not fit at {layer.depth_mm:g} mm; the least room is {thinnest:.3g} mm",
+                count=len(faces),
+                places=_places(skin, faces),
+            )
+            raise InputError(
+                "skin.too_thin",
+                f"at {len(faces)} of {len(skin.faces)} faces the skin is too thin for layer '{layer.name}' at "
+                f"{layer.depth_mm:g} mm (least room {thinnest:.3g} mm) and thin_policy is 'fail'; 'adapt' fades the depth there",
+                findings=(finding,),
+                layer=layer.name,
+                faces=len(faces),
+                least_room_mm=round(thinnest, 4),
+            )
+
+
+def _places(skin: Mesh, faces: NDArray[np.int64]) -> tuple[Place, ...]:
+    """The first faces as places of the skin."""
+    named = faces[:MAX_PLACES]
+    centres = skin.triangles()[named].mean(axis=1)
+    return tuple(
+        Place(mesh="skin", point_mm=(float(x), float(y), float(z)), faces=(int(face),))
+        for face, (x, y, z) in zip(named, centres, strict=True)
+    )
