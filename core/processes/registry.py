@@ -1,0 +1,81 @@
+"""From a job to its files: the one entry of the job child, and the warm-up of its parent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from core.errors import InputError, IntegumentError
+from core.processes.failure import failure_report
+from core.processes.outcome import Outcome, OutputFile
+from core.processes.shells import run_shells
+from core.processes.validate import run_validate
+from core.processes.warm_up import warm_up
+from core.reports.figures.figure import Figure
+from core.reports.html import render_html
+from core.run import RunContext, RunEvent
+from core.schema.processes import PROCESSES
+from core.schema.report import Report
+
+__all__ = ["HANDLERS", "run", "warm_up"]
+
+Handler = Callable[[Any, Mapping[str, Mapping[str, Any]], RunContext, Path], Outcome]
+HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells}
+
+
+class EventSink(Protocol):
+    """Where progress goes; the sandbox's channel fits."""
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send one event as JSON."""
+        ...
+
+
+def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
+    """Execute one job.
+
+    payload: {"process", "inputs", "meshes": {href: {"path", "name", "sha256", "media_type", "file_name"}}, "out_dir"}.
+    Returns {"verdict", "summary", "outputs": [{"name", "path", "media_type", "file_name"}]} with paths below `out_dir`'s
+    parent as given. Raises: IntegumentError, whose `outputs` name the report that was left nevertheless.
+    """
+    out_dir = Path(payload["out_dir"])
+    process: str = payload["process"]
+    context = RunContext(sink=lambda event: channel.send(_message(event)))
+    if process not in HANDLERS:
+        raise InputError("process.not_found", f"there is no process '{process}'", process=process)
+    try:
+        inputs = PROCESSES[process].inputs.model_validate(payload["inputs"])
+        outcome = HANDLERS[process](inputs, payload["meshes"], context, out_dir)
+    except IntegumentError as error:
+        report, figures = failure_report(process, payload, error)
+        error.outputs = tuple(_listed(file, out_dir) for file in _write_report(report, figures, out_dir))
+        raise
+    files = (*outcome.files, *_write_report(outcome.report, outcome.figures, out_dir))
+    return {
+        "verdict": outcome.report.verdict,
+        "summary": outcome.report.summary,
+        "outputs": [_listed(file, out_dir) for file in files],
+    }
+
+
+def _write_report(report: Report, figures: tuple[Figure, ...], out_dir: Path) -> tuple[OutputFile, ...]:
+    (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    (out_dir / "report.html").write_text(render_html(report, figures), encoding="utf-8")
+    return (
+        OutputFile("report", Path("report.json"), "application/json", "report.json"),
+        OutputFile("report_html", Path("report.html"), "text/html", "report.html"),
+    )
+
+
+def _listed(file: OutputFile, out_dir: Path) -> dict[str, str]:
+    return {
+        "name": file.name,
+        "path": str(out_dir / file.path),
+        "media_type": file.media_type,
+        "file_name": file.file_name,
+    }
+
+
+def _message(event: RunEvent) -> dict[str, Any]:
+    return {"kind": event.kind, "progress": event.progress, "phase": event.phase, "message": event.message}
