@@ -1,26 +1,10 @@
-"""Where the API listens: loopback unless allowed otherwise, a port that is free."""
+"""Where the API listens. Which hosts it may listen on is its own decision: api.binding."""
 
 from __future__ import annotations
 
-import ipaddress
 import socket
 
-from core.errors import InputError, StateError
-
-
-def require_loopback(host: str) -> None:
-    """Raises: InputError `server.host_not_loopback` unless every address of `host` is one of this machine alone."""
-    try:
-        addresses = {str(info[4][0]) for info in socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)}
-    except OSError as error:
-        raise InputError("server.host_unknown", f"The host {host!r} has no address: {error}.", host=host) from error
-    if not all(ipaddress.ip_address(address).is_loopback for address in addresses):
-        raise InputError(
-            "server.host_not_loopback",
-            f"Refusing to listen on {host}: this server has no keys, so whoever reaches the port may use it. "
-            "Listen on 127.0.0.1, or allow it explicitly (INTEGUMENT_ALLOW_REMOTE=true) on a network you trust.",
-            host=host,
-        )
+from core.errors import StateError
 
 
 def choose_port(host: str, port: int) -> int:

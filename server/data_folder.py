@@ -26,6 +26,8 @@ class DataFolder:
     def __init__(self, path: Path) -> None:
         """Creates the folder. Raises: InputError `server.folder_unusable`; StateError `server.already_running`."""
         self.path = path.resolve()
+        if "?" in str(self.path):  # SQLite URLs end there, and the database would lie elsewhere
+            raise InputError("server.folder_unusable", f"The data folder {path} has a '?' in its path.", folder=str(path))
         try:
             self.path.mkdir(parents=True, exist_ok=True, mode=0o700)
             self.path.chmod(0o700)  # mkdir leaves a folder that exists as it is

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from http.client import HTTPConnection, HTTPException
 
 from core.errors import InternalError
@@ -23,7 +23,7 @@ from store.settings import Settings
 API_COMMAND = ("-m", "api")
 WORKER_COMMAND = ("-m", "worker")
 API_GRACE_S = 10.0
-WORKER_GRACE_S = 20.0
+WORKER_GRACE_S = 10.0  # beyond the time its jobs have to end
 VALKEY_START_S = 20.0
 API_START_S = 60.0
 LOOK_S = 0.05  # between two looks at a part that is starting
@@ -43,10 +43,9 @@ class Embedded:
         self._database = Database(settings)
         environment = {**os.environ, **settings.as_environment(), "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1"}
         self._valkey = self._part(valkey_program(folder.valkey, folder.socket_path))
-        self._worker, self._api = (
-            self._part(Program(name, (sys.executable, *command), environment, grace_s, str(folder.path)))
-            for name, command, grace_s in (("worker", WORKER_COMMAND, WORKER_GRACE_S), ("api", API_COMMAND, API_GRACE_S))
-        )
+        worker_grace_s = settings.drain_s + WORKER_GRACE_S
+        self._worker = self._part(_python_program("worker", WORKER_COMMAND, environment, worker_grace_s, folder))
+        self._api = self._part(_python_program("api", API_COMMAND, environment, API_GRACE_S, folder))
         self._valkey_answered = False
         self._supervisor = Supervisor(signals, announce, self._after_crash)
 
@@ -97,6 +96,12 @@ class Embedded:
             Jobs(self._database).expire_all_leases()  # there is no other worker here; nobody needs to wait for the leases
         elif part is self._valkey and not self._valkey_answered and (aside := set_aside_append_only(self._folder.valkey)):
             self._announce(f"Valkey cannot read its append-only file; it is set aside as {aside} and the queue rebuilt.")
+
+
+def _python_program(
+    name: str, command: tuple[str, ...], environment: Mapping[str, str], grace_s: float, folder: DataFolder
+) -> Program:
+    return Program(name, (sys.executable, *command), environment, grace_s, str(folder.path))
 
 
 def _is_ready(host: str, port: int) -> bool:

@@ -8,13 +8,16 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from api.binding import require_allowed_binding
 from core.errors import InputError, IntegumentError, StateError
-from server.address import choose_port, require_loopback
+from server.address import choose_port
 from server.data_folder import DataFolder
 from server.embedded import Announce, Embedded
 from server.stop_signals import StopSignals
 from server.valkey import broker_url
 from store.settings import Settings
+
+DRAIN_S = 3.0  # whoever presses Ctrl-C waits for it; jobs that did not end by then start over next time
 
 
 def serve(*, data_dir: Path, host: str = "127.0.0.1", port: int = 8000, announce: Callable[[str], None] | None = None) -> int:
@@ -37,8 +40,8 @@ def serve(*, data_dir: Path, host: str = "127.0.0.1", port: int = 8000, announce
 
 
 def _serve(data_dir: Path, host: str, port: int, tell: Announce) -> None:
-    if not Settings(data_dir=data_dir).allow_remote:
-        require_loopback(host)
+    given = Settings(data_dir=data_dir, host=host, port=port)
+    require_allowed_binding(given)
     folder = DataFolder(data_dir)
     try:
         port = choose_port(host, port)
@@ -48,6 +51,7 @@ def _serve(data_dir: Path, host: str, port: int, tell: Announce) -> None:
             broker_url=broker_url(folder.socket_path),
             host=host,
             port=port,
+            drain_s=given.drain_s if "drain_s" in given.model_fields_set else DRAIN_S,
         )
         with StopSignals() as signals:
             Embedded(folder, settings, signals, tell).run()

@@ -83,8 +83,9 @@ def test_takeover_waits_for_the_parts_of_a_killed_server(tmp_path: Path) -> None
     end(holder)
 
 
-def test_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["file/data", "what?/data"])
+def test_folder_that_cannot_be_used_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(InputError) as refusal:
-        DataFolder(tmp_path / "file" / "data")
+        DataFolder(tmp_path / name)
     assert refusal.value.code == "server.folder_unusable"

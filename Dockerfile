@@ -1,0 +1,54 @@
+# syntax=docker/dockerfile:1
+# One image for API, worker and migration; docker-compose.yml says which command each of them runs.
+# Pin the bases by digest where reproducible images matter: --build-arg PYTHON_IMAGE=python@sha256:...
+ARG PYTHON_IMAGE=python:3.11-slim-bookworm
+ARG UV_IMAGE=ghcr.io/astral-sh/uv:0.13.9
+
+FROM ${UV_IMAGE} AS uv
+
+FROM ${PYTHON_IMAGE} AS build
+COPY --from=uv /uv /usr/local/bin/uv
+ENV UV_COMPILE_BYTECODE=1 \
+    UV_LINK_MODE=copy \
+    UV_PROJECT_ENVIRONMENT=/opt/integument \
+    UV_PYTHON_DOWNLOADS=never
+WORKDIR /src
+# the dependencies change less often than the code and get a layer of their own
+COPY pyproject.toml uv.lock ./
+COPY client/pyproject.toml client/
+RUN --mount=type=cache,target=/root/.cache/uv \
+    uv sync --frozen --no-default-groups --no-install-workspace
+COPY LICENSE README.md ./
+COPY client client
+COPY api api
+COPY core core
+COPY sandbox sandbox
+COPY server server
+COPY store store
+COPY worker worker
+RUN --mount=type=cache,target=/root/.cache/uv \
+    uv sync --frozen --no-default-groups --no-editable
+
+FROM ${PYTHON_IMAGE}
+LABEL org.opencontainers.image.title="Integument" \
+      org.opencontainers.image.licenses="AGPL-3.0-or-later"
+# libgl1: pymeshlab is linked against it. The version is whatever security fix Debian has today.
+# hadolint ignore=DL3008
+RUN apt-get update \
+    && apt-get install --yes --no-install-recommends libgl1 \
+    && rm -rf /var/lib/apt/lists/* \
+    && install --directory --owner=10001 --group=10001 --mode=0700 /data
+COPY --from=build /opt/integument /opt/integument
+# the root file system is read-only: compiled kernels are kept with the data, everything passing goes to /tmp
+ENV PATH=/opt/integument/bin:$PATH \
+    HOME=/tmp \
+    INTEGUMENT_DATA_DIR=/data \
+    MPLCONFIGDIR=/tmp/matplotlib \
+    NUMBA_CACHE_DIR=/data/numba-cache \
+    PYTHONDONTWRITEBYTECODE=1 \
+    PYTHONUNBUFFERED=1
+WORKDIR /data
+USER 10001:10001
+VOLUME /data
+EXPOSE 8000
+CMD ["python", "-m", "api"]

@@ -1,0 +1,148 @@
+"""docker-compose.yml and Dockerfile, checked with what needs no Docker engine; tests/acceptance runs their commands."""
+
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.embedded import API_COMMAND, WORKER_COMMAND
+from server.valkey import valkey_program
+from store.settings import PREFIX, Settings
+from tests.project.compose import SECRETS, UnsetVariableError, read_compose
+from tests.project.sources import ROOT
+
+OURS = ("migrate", "api", "worker")
+DOCKERFILE = ROOT / "Dockerfile"
+
+
+@pytest.fixture(scope="module")
+def services() -> dict[str, Any]:
+    found: dict[str, Any] = read_compose(SECRETS)["services"]
+    return found
+
+
+def test_compose_file_is_valid_and_complete(services: dict[str, Any]) -> None:
+    assert set(services) == {"migrate", "api", "worker", "valkey", "postgres"}
+
+
+@pytest.mark.parametrize("missing", SECRETS)
+def test_no_secret_has_a_default(missing: str) -> None:
+    with pytest.raises(UnsetVariableError, match=missing):
+        read_compose({name: value for name, value in SECRETS.items() if name != missing})
+
+
+@pytest.mark.parametrize("name", ["migrate", "api", "worker", "valkey", "postgres"])
+def test_every_service_is_hardened(services: dict[str, Any], name: str) -> None:
+    service = services[name]
+    assert re.fullmatch(r"[1-9]\d*:[1-9]\d*", service["user"]), "a number, so that it holds in any image, and not root"
+    assert service["read_only"] is True
+    assert service["cap_drop"] == ["ALL"]
+    assert service["security_opt"] == ["no-new-privileges:true"]
+    assert not {"privileged", "cap_add", "network_mode", "pid", "devices"} & set(service)
+    assert "healthcheck" in service or name == "migrate"
+    assert "mem_limit" in service
+    assert "pids_limit" in service
+
+
+def test_only_the_api_is_reachable_and_only_from_this_machine(services: dict[str, Any]) -> None:
+    assert {name: service["ports"] for name, service in services.items() if "ports" in service} == {
+        "api": ["127.0.0.1:8000:8000"]
+    }
+    assert {name for name, service in services.items() if "outside" in service["networks"]} == {"api"}
+    assert read_compose(SECRETS)["networks"]["inside"] == {"internal": True}
+
+
+def test_commands_are_those_the_embedded_server_and_the_tests_run(services: dict[str, Any]) -> None:
+    assert services["api"]["command"] == ["python", *API_COMMAND]
+    assert services["worker"]["command"] == ["python", *WORKER_COMMAND]
+    assert services["migrate"]["command"][:2] == ["python", "-m"]
+    for name in OURS:
+        assert find_spec(services[name]["command"][2]) is not None
+
+
+def test_valkey_keeps_the_queue_as_the_embedded_one_does(services: dict[str, Any]) -> None:
+    command = services["valkey"]["command"]
+    lab = dict(zip(command[1::2], command[2::2], strict=True))
+    program = valkey_program(Path("/data"), Path("/data/valkey.sock")).command
+    embedded = dict(zip(program[1::2], program[2::2], strict=True))
+    for option in ("--appendonly", "--appendfsync", "--maxmemory-policy", "--save"):
+        assert lab[option] == embedded[option]
+    assert lab["--requirepass"] == SECRETS["VALKEY_PASSWORD"]
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_settings_are_accepted(services: dict[str, Any], name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for key, value in services[name]["environment"].items():
+        assert key.startswith(PREFIX)
+        monkeypatch.setenv(key, value)
+    settings = Settings()
+    assert settings.database_url == "postgresql://integument:sesame1@postgres:5432/integument"
+    assert settings.broker_url == "redis://:sesame2@valkey:6379/0"
+    assert str(settings.data_dir) == "/data"
+    assert settings.allow_remote is (name == "api")
+
+
+def test_nothing_starts_before_what_it_needs(services: dict[str, Any]) -> None:
+    for name in ("api", "worker"):
+        assert services[name]["depends_on"] == {
+            "migrate": {"condition": "service_completed_successfully"},
+            "postgres": {"condition": "service_healthy"},
+            "valkey": {"condition": "service_healthy"},
+        }
+    assert services["migrate"]["depends_on"] == {"postgres": {"condition": "service_healthy"}}
+    assert services["migrate"]["restart"] == "no"
+
+
+def test_what_must_survive_is_on_named_volumes(services: dict[str, Any]) -> None:
+    mounted = {volume.partition(":")[0] for service in services.values() for volume in service.get("volumes", [])}
+    assert mounted == set(read_compose(SECRETS)["volumes"]) == {"data", "postgres", "valkey"}
+    assert services["api"]["volumes"] == services["worker"]["volumes"] == ["data:/data"]
+
+
+def test_containers_get_the_time_their_parts_take_to_stop(services: dict[str, Any]) -> None:
+    def seconds(service: str) -> float:
+        return float(services[service]["stop_grace_period"].removesuffix("s"))
+
+    assert seconds("worker") > Settings().drain_s
+    assert seconds("api") >= 20
+
+
+def test_dockerfile_passes_the_linter() -> None:
+    command = [Path(sys.executable).with_name("hadolint"), "--failure-threshold", "style", DOCKERFILE]
+    outcome = subprocess.run(command, capture_output=True, text=True)
+    assert outcome.returncode == 0, outcome.stdout
+
+
+def instructions(name: str) -> list[str]:
+    """The arguments of every such instruction of the Dockerfile, continued lines joined."""
+    text = re.sub(r"\\\n\s*", " ", DOCKERFILE.read_text(encoding="utf-8"))
+    return re.findall(rf"^{name} (.*)$", text, flags=re.MULTILINE)
+
+
+def test_image_holds_every_package_the_wheel_does() -> None:
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        packages = tomllib.load(file)["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+    copied = [shlex.split(line) for line in instructions("COPY")]
+    assert set(packages) <= {words[0] for words in copied}
+    ignored = (ROOT / ".dockerignore").read_text().splitlines()
+    for words in copied:
+        if not words[0].startswith("--"):
+            assert all((ROOT / source).exists() for source in words[:-1])
+            assert all(f"!{source.partition('/')[0]}" in ignored for source in words[:-1])
+
+
+def test_image_is_built_from_the_lock_file_without_tools_for_development() -> None:
+    installs = [line for line in instructions("RUN") if "uv sync" in line]
+    assert len(installs) == 2
+    assert all("--frozen" in line and "--no-default-groups" in line for line in installs)
+
+
+def test_image_runs_as_the_user_of_the_compose_file(services: dict[str, Any]) -> None:
+    assert instructions("USER") == [services["api"]["user"]]
+    assert shlex.split(instructions("CMD")[0].strip("[]").replace(",", " ")) == services["api"]["command"]
