@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -24,6 +25,8 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from core.errors import InternalError, LimitError
 from store.settings import Settings
+
+_ONE_AT_A_TIME = threading.Lock()  # Alembic keeps the migration under way in a global
 
 BUSY_TIMEOUT_S = 10
 MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks have no names
@@ -67,7 +70,7 @@ class Database:
         return moment.astimezone(UTC)
 
     def migrate(self) -> None:
-        """Bring the tables to what this code expects, in one transaction. Safe to call from several processes at once."""
+        """Bring the tables to what this code expects, in one transaction. Safe to call from anywhere at once."""
         with self._migrating() as config:
             command.upgrade(config, "head")
 
@@ -78,7 +81,7 @@ class Database:
 
     @contextmanager
     def _migrating(self) -> Iterator[Config]:
-        with _translated(), self.engine.begin() as connection:
+        with _ONE_AT_A_TIME, _translated(), self.engine.begin() as connection:
             if not self.is_sqlite:
                 connection.execute(select(func.pg_advisory_xact_lock(MIGRATION_LOCK)))
             yield _alembic(connection)

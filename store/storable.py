@@ -16,17 +16,17 @@ def storable_text(text: str, limit: int = MAX_TEXT) -> str:
 
 
 def storable(value: Any, depth: int = MAX_DEPTH) -> Any:
-    """The same for JSON: NaN and infinity, which it does not have, become their names; what is nested deeper is cut to text."""
+    """The same for JSON: NaN and infinity, which it does not have, become their names; what is nested too deep is cut."""
     if isinstance(value, str):
         return storable_text(value)
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if value is None or isinstance(value, bool | int | float):
         return value
+    if not isinstance(value, dict | list | tuple):
+        return storable_text(str(value))
     if depth == 0:
-        return storable_text(repr(value))
+        return "…"
     if isinstance(value, dict):
         return {storable_text(str(key)): storable(item, depth - 1) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [storable(item, depth - 1) for item in value]
-    return storable_text(str(value))
+    return [storable(item, depth - 1) for item in value]

@@ -11,7 +11,6 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 
@@ -26,13 +25,24 @@ START_S = 20.0
 THROW_AWAY = ("fsync=off", "synchronous_commit=off", "full_page_writes=off", "shared_buffers=32MB", "max_connections=200")
 
 
-@dataclass(frozen=True)
 class PostgresServer:
-    """A running server; everybody may connect to it as `postgres` through the socket in `folder`."""
+    """A server on the socket in `folder`; everybody may connect as `postgres`."""
 
-    folder: Path
-    process: subprocess.Popen[bytes]
-    _numbers: Iterator[int] = field(default_factory=lambda: count(1))
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.process: subprocess.Popen[bytes] | None = None
+        self._user = "nobody" if os.geteuid() == 0 else ""  # initdb refuses root
+        self._databases = count(1)
+        if self._user:
+            shutil.chown(folder, self._user)
+        self._programs = _reachable_programs(folder)
+        flags = ("-U", "postgres", "-A", "trust", "-E", "UTF8", "--locale=C.UTF-8", "--no-sync", "--no-instructions")
+        if self._run("initdb", "-D", folder / "data", *flags).wait() != 0:
+            raise RuntimeError((folder / "log").read_text())
+
+    def _run(self, program: str, *words: str | Path) -> subprocess.Popen[bytes]:
+        with (self.folder / "log").open("ab") as log:
+            return start_tethered([self._programs / program, *words], death_signal=signal.SIGINT, user=self._user, log=log)
 
     def url(self, database: str = "postgres") -> str:
         """As settings.database_url."""
@@ -40,36 +50,52 @@ class PostgresServer:
 
     def new_database(self) -> str:
         """Make an empty database and return its URL."""
-        name = f"integument_{next(self._numbers)}"
+        name = f"integument_{next(self._databases)}"
         with psycopg.connect(self.url(), autocommit=True) as connection:
             connection.execute(f"CREATE DATABASE {name}")
         return self.url(name)
 
+    def start(self) -> None:
+        """Returns when it answers."""
+        options = [word for option in ("listen_addresses=", *THROW_AWAY) for word in ("-c", option)]
+        self.process = self._run("postgres", "-D", self.folder / "data", "-k", self.folder, *options)
+        deadline = time.monotonic() + START_S
+        while not self._answers():
+            if self.process.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError((self.folder / "log").read_text())
+            time.sleep(0.02)
+
+    def _answers(self) -> bool:
+        try:
+            psycopg.connect(self.url(), connect_timeout=2).close()
+        except psycopg.OperationalError:
+            return False
+        return True
+
+    def stop(self) -> None:
+        """Break all connections and stop; the data stays."""
+        if self.process is not None:
+            self.process.send_signal(signal.SIGINT)
+            self.process.wait(timeout=START_S)
+            self.process = None
+
+    def restart(self) -> None:
+        """Break all connections."""
+        self.stop()
+        self.start()
+
 
 @contextmanager
 def running_postgres() -> Iterator[PostgresServer]:
-    """Start one (0.6 s), stop it and remove its data at the end. As root it runs as `nobody`: initdb refuses root."""
-    user = "nobody" if os.geteuid() == 0 else ""
+    """Start one (0.6 s), stop it and remove its data at the end. As root it runs as `nobody`."""
     folder = Path(tempfile.mkdtemp(prefix="itg-pg-", dir="/tmp"))  # short: a socket's path has at most 107 bytes
     try:
-        programs = _reachable_programs(folder)
-        if user:
-            shutil.chown(folder, user)
-        data = folder / "data"
-        with (folder / "log").open("wb") as log:
-            make = ("-D", data, "-U", "postgres", "-A", "trust", "-E", "UTF8", "--locale=C.UTF-8", "--no-sync", "--no-instructions")
-            if start_tethered([programs / "initdb", *make], death_signal=signal.SIGKILL, user=user, log=log).wait() != 0:
-                raise RuntimeError((folder / "log").read_text())
-            options = [word for option in THROW_AWAY for word in ("-c", option)]
-            serve = [programs / "postgres", "-D", data, "-k", folder, "-c", "listen_addresses=", *options]
-            process = start_tethered(serve, death_signal=signal.SIGINT, user=user, log=log)
-            try:
-                server = PostgresServer(folder, process)
-                _wait_until_ready(server)
-                yield server
-            finally:
-                process.send_signal(signal.SIGINT)  # fast shutdown: does not wait for clients
-                process.wait(timeout=START_S)
+        server = PostgresServer(folder)
+        try:
+            server.start()
+            yield server
+        finally:
+            server.stop()
     finally:
         shutil.rmtree(folder)
 
@@ -81,19 +107,6 @@ def _reachable_programs(folder: Path) -> Path:
         return programs
     shutil.copytree(programs.parent, folder / "pginstall", symlinks=True)
     return folder / "pginstall" / "bin"
-
-
-def _wait_until_ready(server: PostgresServer) -> None:
-    deadline = time.monotonic() + START_S
-    while True:
-        try:
-            psycopg.connect(server.url(), connect_timeout=2).close()
-        except psycopg.OperationalError:
-            if server.process.poll() is not None or time.monotonic() > deadline:
-                raise RuntimeError((server.folder / "log").read_text()) from None
-            time.sleep(0.02)
-        else:
-            return
 
 
 @pytest.fixture(scope="session")
