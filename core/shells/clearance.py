@@ -285,7 +285,8 @@ def _runs_through(corners: Floats, face: int, start: int, end: int, other: int) 
     if second < 0.0 or first + second > 1.0:
         return False
     along = (vx * qx + vy * qy + vz * qz) / determinant
-    return 0.0 <= along <= 1.0
+    pierces: bool = 0.0 <= along <= 1.0
+    return pierces
 
 
 @njit(cache=True, nogil=True)

@@ -14,7 +14,8 @@ Floats = NDArray[np.float64]
 
 LONGEST_SHIFT = 4.0  # at a needle's tip the movement that shifts all faces by 1 grows without bound
 MOST_FACES = 64
-ROUNDS = 60
+ROUNDS = 300
+SETTLED = 1e-5  # a round that changes no weight by more is the last
 
 
 def inward_shift(vertices: Vertices, faces: Faces, around: Rows) -> Floats:
@@ -51,7 +52,7 @@ def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32],
                 weight[i] = raised
                 x, y, z = x - step * nx, y - step * ny, z - step * nz
                 change = max(change, abs(step))
-            if change < 1e-4:
+            if change < SETTLED:
                 break
         length = np.sqrt(x * x + y * y + z * z)
         scale = LONGEST_SHIFT / length if length > LONGEST_SHIFT else 1.0

@@ -18,7 +18,8 @@ PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 def vertex_areas(mesh: Mesh) -> Floats:
     """A third of the area of the faces around each vertex, (V,) mm²."""
     shares = np.repeat(face_areas(mesh.vertices, mesh.faces) / 3, 3)
-    areas: Floats = np.bincount(mesh.faces.ravel(), weights=shares, minlength=len(mesh.vertices))
+    areas = np.zeros(len(mesh.vertices))
+    np.add.at(areas, mesh.faces.ravel(), shares)
     return areas
 
 
@@ -50,7 +51,7 @@ def measure_thickness(shell: Shell, target_mm: float) -> ThicknessReport:
         min_mm=round(float(depths[0]), 6),
         max_mm=round(float(depths[-1]), 6),
         percentiles_mm={
-            str(p): round(float(depths[min(np.searchsorted(ranks, p / 100), len(depths) - 1)]), 6) for p in PERCENTILES
+            str(p): round(float(depths[min(int(np.searchsorted(ranks, p / 100)), len(depths) - 1)]), 6) for p in PERCENTILES
         },
     )
 
