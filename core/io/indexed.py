@@ -35,7 +35,7 @@ def assemble(vertices: NDArray[np.generic], faces: NDArray[np.int64], findings: 
     used[faces] = True
     kept = vertices[used]
     number = np.cumsum(used) - 1
-    told = (*findings, *_check_unused(used), *_check_doubles(kept))
+    told = (*findings, *_check_unused(used), *_check_coincident(kept))
     return Reading((Piece("", kept, number[faces]),), told)
 
 
@@ -47,10 +47,10 @@ def _check_unused(used: NDArray[np.bool_]) -> list[Finding]:
     return [Finding(code="mesh.unused_vertices", severity=Severity.INFO, message=message, count=count)]
 
 
-def _check_doubles(vertices: NDArray[np.generic]) -> list[Finding]:
+def _check_coincident(vertices: NDArray[np.generic]) -> list[Finding]:
     welded, _ = weld(vertices)
     count = len(vertices) - len(welded)
     if not count:
         return []
     message = f"{count} of {len(vertices)} vertices repeat the coordinates of another; they were kept apart as in the file"
-    return [Finding(code="mesh.double_vertices", severity=Severity.WARNING, message=message, count=count)]
+    return [Finding(code="mesh.coincident_vertices", severity=Severity.ERROR, message=message, count=count)]

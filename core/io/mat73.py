@@ -46,23 +46,25 @@ class Mat73File:
             raise LimitError(
                 "hdf5.too_large", f"the file has {count} names, {MOST_NAMES} are allowed", names=count, limit=MOST_NAMES
             )
-        self._names: dict[MatVariable, bytes] = {}
+        self._names: list[bytes] = []
+        self._variables: list[MatVariable] = []
         for number in range(count):
             name = self._root.get_objname_by_idx(number)
             self._require_hard_link(name)
             if not name.startswith(b"#"):  # MATLAB's own book-keeping
-                self._names[self._describe(name)] = name
+                self._variables.append(self._describe(name, len(self._names)))
+                self._names.append(name)
 
     @property
     def variables(self) -> tuple[MatVariable, ...]:
         """All variables by name."""
-        return tuple(self._names)
+        return tuple(self._variables)
 
     def load(self, variable: MatVariable) -> NDArray[np.float64]:
         """The numbers of one matrix as doubles in MATLAB's shape."""
         if variable.bytes_unpacked > LARGEST_ARRAY_BYTES:
             raise _too_large(f"variable {variable.name} of shape {variable.shape}", variable.bytes_unpacked)
-        dataset = h5py.h5o.open(self._root, self._names[variable])
+        dataset = h5py.h5o.open(self._root, self._names[variable.place])
         if dataset.get_create_plist().get_layout() == h5py.h5d.CHUNKED:
             stored = read_chunks(dataset, self._bytes)
         else:
@@ -76,20 +78,20 @@ class Mat73File:
                 "hdf5.link_refused", f"{clean_name(name)!r} is a soft or external link; only data inside the file itself is read"
             )
 
-    def _describe(self, name: bytes) -> MatVariable:
+    def _describe(self, name: bytes, place: int) -> MatVariable:
         shown = clean_name(name)
         node = h5py.h5o.open(self._root, name)
         if h5py.h5a.exists(node, b"MATLAB_object_decode"):
-            return MatVariable(shown, "object", (), 0)
+            return MatVariable(shown, "object", (), place)
         matlab_class = _read_class(node)
         if not isinstance(node, h5py.h5d.DatasetID):
-            return MatVariable(shown, matlab_class or "struct", (), 0)
+            return MatVariable(shown, matlab_class or "struct", (), place)
         _require_plain_storage(node, shown)
         kind = node.get_type()
         if not isinstance(kind, (h5py.h5t.TypeIntegerID, h5py.h5t.TypeFloatID)):
-            return MatVariable(shown, matlab_class or "not numeric", (), 0)
+            return MatVariable(shown, matlab_class or "not numeric", (), place)
         shape = node.get_space().get_simple_extent_dims()[::-1]
-        return MatVariable(shown, matlab_class or "double", shape, 8 * math.prod(shape))
+        return MatVariable(shown, matlab_class or "double", shape, place)
 
 
 def _require_plain_storage(dataset: h5py.h5d.DatasetID, name: str) -> None:

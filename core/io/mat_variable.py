@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,12 +16,17 @@ LARGEST_ARRAY_BYTES = 1 << 29  # per variable, unpacked: 22 million vertices or 
 
 @dataclass(frozen=True, slots=True)
 class MatVariable:
-    """Name, MATLAB class and size; `shape` as MATLAB sees it, `bytes_unpacked` what loading it takes."""
+    """Name, MATLAB class and shape as MATLAB sees them; `place` counts the variables of the file from 0."""
 
     name: str
     matlab_class: str
     shape: tuple[int, ...]
-    bytes_unpacked: int
+    place: int
+
+    @property
+    def bytes_unpacked(self) -> int:
+        """What its numbers take as doubles."""
+        return 8 * math.prod(self.shape)
 
 
 class MatFile(Protocol):
