@@ -38,11 +38,11 @@ class Doorbell:
         return True
 
     def is_answered(self) -> bool:
-        """True if a broker of the right kind takes connections; no for an answer takes about two seconds."""
+        """True if a broker of the right kind takes connections; a hanging one is told within about two seconds."""
         with self._app.connection_for_write() as connection:
             try:
-                connection.connect()  # pings
-            except (*connection.connection_errors, *connection.channel_errors) as error:
+                connection.default_channel.client.ping()
+            except (OperationalError, *connection.connection_errors, *connection.channel_errors) as error:
                 _log.warning("broker does not answer: %s", error)
                 return False
         return True

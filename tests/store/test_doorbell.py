@@ -93,6 +93,18 @@ def test_a_broker_that_hangs_costs_a_second(valkey: ValkeyServer, doorbell: Door
     assert doorbell.ring(JOB, 1) is True
 
 
+def test_whether_the_broker_answers(valkey: ValkeyServer, doorbell: Doorbell) -> None:
+    assert doorbell.is_answered() is True
+    valkey.signal(signal.SIGSTOP)
+    with at_most(4.0):
+        assert doorbell.is_answered() is False
+    valkey.signal(signal.SIGCONT)
+    assert doorbell.is_answered() is True
+    valkey.kill()
+    with at_most(2.0):
+        assert doorbell.is_answered() is False
+
+
 def test_something_else_on_the_port_is_no_broker() -> None:
     with socket.create_server(("127.0.0.1", 0)) as deaf:
         bell = Doorbell(f"redis://127.0.0.1:{deaf.getsockname()[1]}/0")
