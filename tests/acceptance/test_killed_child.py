@@ -1,0 +1,52 @@
+"""SIGKILL to the geometry child in mid-job: the job is tried once more, then fails with the reason; the next one runs."""
+
+import time
+
+import psutil
+
+from tests.acceptance.service import Service
+from tests.embedded import Embedded
+from tests.solids import sphere
+
+LIMIT_S = 120.0
+
+
+def kill_child(server: Embedded, service: Service, job: str, attempt: int) -> None:
+    """Wait until this attempt of the job works, and kill what does the work."""
+    service.wait(job, lambda status: status["status"] == "running" and status["attempt"] == attempt and status["progress"] >= 5)
+    nurseries = server.part("worker").children()
+    children = [child for nursery in nurseries for child in nursery.children()]
+    assert len(children) == 1
+    children[0].kill()
+
+
+def test_killed_child_costs_one_attempt_and_no_other_job(server: Embedded, service: Service, skin: str) -> None:
+    worker = server.part("worker")
+    job = service.shells(skin)
+    kill_child(server, service, job, attempt=1)
+    kill_child(server, service, job, attempt=2)
+    ended = service.wait(job)
+    assert ended["status"] == "failed"
+    assert ended["attempt"] == 2
+    assert ended["failure"]["code"] == "child.crashed"
+    assert "SIGKILL" in ended["failure"]["message"]
+    problem = service.http.get(f"/v1/jobs/{job}/results")
+    assert problem.status_code == 500
+    assert problem.json()["code"] == "child.crashed"
+
+    following = service.execute("validate", {"meshes": {"href": service.upload(sphere(100.0, 3), "ball")}})
+    assert service.succeed(following)["verdict"] == "simulation_ready"
+    assert server.part("worker").pid == worker.pid  # and nobody had to be started again
+
+
+def test_dismissed_job_is_gone_within_two_seconds(server: Embedded, service: Service, skin: str) -> None:
+    job = service.shells(skin)
+    service.wait(job, lambda status: status["status"] == "running" and status["progress"] >= 5)
+    children = [child for nursery in server.part("worker").children() for child in nursery.children()]
+    assert children
+    started = time.monotonic()
+    assert service.http.delete(f"/v1/jobs/{job}").json()["status"] == "dismissed"
+    _, alive = psutil.wait_procs(children, timeout=2)
+    assert alive == []
+    assert time.monotonic() - started < 2.5
+    assert service.status(job)["status"] == "dismissed"
