@@ -26,8 +26,8 @@ def test_decisions_have_numbers_of_their_own_and_a_status() -> None:
     for path in sorted((ROOT / "docs" / "adr").glob("*.md")):
         number = path.name[:4]
         text = path.read_text(encoding="utf-8")
-        assert text.startswith(f"# ADR-{number}: ")
-        assert re.search(r"^Status: (accepted|superseded by ADR-\d{4})$", text, flags=re.MULTILINE)
+        assert re.match(rf"# {int(number)}\. .+\n\n(Accepted|Superseded by \d+)\.\n", text)
+        assert re.findall(r"^## (.+)$", text, flags=re.MULTILINE)[:3] == ["Context", "Decision", "Consequences"]
         numbers.append(number)
     assert len(set(numbers)) == len(numbers)
 
