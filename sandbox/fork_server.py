@@ -68,7 +68,10 @@ class ForkServer:
 
     def _accept(self) -> bool:
         """Take one request and fork; False once the owner is gone."""
-        datagram, descriptors, _, _ = socket.recv_fds(self._owner, MAX_REQUEST_BYTES, 3, socket.MSG_CMSG_CLOEXEC)
+        try:
+            datagram, descriptors, _, _ = socket.recv_fds(self._owner, MAX_REQUEST_BYTES, 3, socket.MSG_CMSG_CLOEXEC)
+        except ConnectionResetError:  # gone, with our "ready" unread
+            return False
         if not datagram:
             return False
         events, payload, status_fd = descriptors

@@ -52,6 +52,11 @@ class Nursery:
         self._control: socket.socket | None = None
 
     @property
+    def ready_timeout_s(self) -> float:
+        """How long loading may take."""
+        return self._ready_timeout_s
+
+    @property
     def pid(self) -> int | None:
         """Of the nursery process; None while there is none."""
         return self._process.pid if self._process is not None else None
@@ -65,6 +70,13 @@ class Nursery:
         """End it and every child; returns once they are gone."""
         with self._lock:
             self._discard()
+
+    def wait_until_ready(self, timeout_s: float) -> bool:
+        """True once the next spawn will be answered at once, be it with a refusal; starts the nursery if there is none."""
+        with self._lock:
+            control = self._ensure().dup()  # ours to look at, whatever another thread does with the original
+        with control:
+            return bool(select.select([control], [], [], timeout_s)[0])
 
     def spawn(self, target: str, payload: Mapping[str, Any], limits: Limits, scratch: Path) -> Child:
         """Fork a child that runs `target` ("module:function") on `payload` in the existing folder `scratch`.

@@ -33,6 +33,9 @@ def main(arguments: Sequence[str]) -> None:
     fcntl.fcntl(owner, fcntl.F_SETFL, fcntl.fcntl(owner, fcntl.F_GETFL) & ~os.O_ASYNC)
     gc.collect()
     gc.freeze()  # keeps the collector of every child from copying our pages
+    if owner_is_gone(owner):
+        return
+    owner.send(b"ready")  # stays unread: that it is there is the message
     ForkServer(owner, refusal).serve()
 
 

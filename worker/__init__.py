@@ -1,1 +1,1 @@
-"""Celery only: claim a job, supervise its child process, record what came of it."""
+"""Takes jobs off the queue and supervises the child process that does each; Celery and the job table meet here."""

@@ -1,0 +1,78 @@
+"""What the children of the worker's tests do; payload["inputs"] says which."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from core.errors import InputError
+from core.schema.finding import Finding, Severity
+from sandbox.channel import Channel
+from tests.sandbox import targets as hostile
+
+Payload = dict[str, Any]
+
+
+def run(payload: Payload, channel: Channel) -> Payload:
+    """As core.processes.registry.run: does what inputs["act"] says and hands over a report."""
+    inputs = payload["inputs"]
+    channel.send({"kind": "log", "message": f"child {os.getpid()}"})
+    channel.send({"kind": "progress", "progress": 5, "phase": "begin", "message": "begun"})
+    act = inputs.get("act", "write")
+    if act == "write":
+        return _write(payload, channel)
+    if act == "sleep":
+        time.sleep(inputs["seconds"])
+        return _write(payload, channel)
+    if act == "crash_once":
+        marker = Path(inputs["marker"])
+        if not marker.exists():
+            marker.touch()
+            hostile.segfault(payload, channel)
+        return _write(payload, channel)
+    if act == "refuse":
+        _report(payload, "refused")
+        error = InputError(
+            "skin.not_closed",
+            "the skin has 2 holes",
+            findings=(Finding(code="mesh.open", severity=Severity.ERROR, message="2 holes", count=2),),
+            holes=2,
+        )
+        error.outputs = (_output("report", payload["out_dir"] + "/report.json"),)
+        raise error
+    if act == "lie":
+        return {"verdict": "simulation_ready", "summary": "", "outputs": inputs["outputs"]} | inputs.get("extra", {})
+    if act == "link":
+        os.symlink(inputs["to"], Path(payload["out_dir"]) / "link")
+        return {"verdict": "simulation_ready", "summary": "", "outputs": [_output("report", payload["out_dir"] + "/link")]}
+    if act == "talk":
+        for number in range(inputs["lines"]):
+            channel.send({"kind": "log", "message": f"line {number}"})
+            channel.send(
+                {"kind": "progress", "progress": 100 * number / inputs["lines"], "phase": f"p{number % 3}", "message": ""}
+            )
+        return _write(payload, channel)
+    result: Payload = getattr(hostile, act)(inputs, channel)
+    return result
+
+
+def _write(payload: Payload, channel: Channel) -> Payload:
+    channel.send({"kind": "progress", "progress": 50, "phase": "work", "message": "half"})
+    channel.send({"kind": "log", "message": "writing"})
+    texts = [Path(mesh["path"]).read_text() for mesh in payload["meshes"].values()]
+    _report(payload, " ".join([payload["process"], *texts]))
+    return {
+        "verdict": "simulation_ready",
+        "summary": "all is well",
+        "outputs": [_output("report", payload["out_dir"] + "/report.json")],
+    }
+
+
+def _report(payload: Payload, text: str) -> None:
+    (Path(payload["out_dir"]) / "report.json").write_text(text)
+
+
+def _output(name: str, path: str) -> dict[str, str]:
+    return {"name": name, "path": path, "media_type": "application/json", "file_name": "report.json"}

@@ -1,0 +1,35 @@
+"""A database that is away for a moment must not cost the work of an hour."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from sqlalchemy.exc import DBAPIError
+
+logger = logging.getLogger(__name__)
+
+PATIENCE_S = 120.0
+FIRST_WAIT_S = 0.5
+LONGEST_WAIT_S = 5.0
+
+T = TypeVar("T")
+
+
+def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
+    """Do `act`, again and again while the database fails; raises its last error after `patience_s`.
+
+    `act` must be safe to repeat: writes under a fencing token are."""
+    deadline = time.monotonic() + patience_s
+    wait_s = FIRST_WAIT_S
+    while True:
+        try:
+            return act()
+        except DBAPIError as error:
+            if time.monotonic() + wait_s > deadline:
+                raise
+            logger.warning("the database does not answer, trying again in %.1f s: %s", wait_s, error)
+        time.sleep(wait_s)
+        wait_s = min(2 * wait_s, LONGEST_WAIT_S)

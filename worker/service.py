@@ -1,0 +1,59 @@
+"""A whole worker process, from start to clean end."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+from celery.signals import worker_ready, worker_shutting_down
+
+from store.settings import Settings
+from worker.app import create_app
+from worker.liveness import Liveness
+from worker.pool import BellTaskPool
+from worker.reconciler import Reconciler
+from worker.workshop import TARGET, Workshop
+
+logger = logging.getLogger(__name__)
+
+
+def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[str] | None = None) -> int:
+    """Work until SIGTERM or SIGINT; returns the exit code. For the main thread only.
+
+    On the signal no job is claimed any more; those that run have `drain_s` to end, then they are handed back to the queue."""
+    workshop = Workshop.open(settings, target=target, preload=preload)
+    workshop.nursery.start()  # before Celery has any thread
+    liveness = Liveness(settings)
+    reconciler = Reconciler(workshop, liveness)
+
+    def on_ready(**_: Any) -> None:
+        reconciler.start()
+        logger.info("worker %s is ready, %d jobs at a time", workshop.name, settings.worker_concurrency)
+
+    def on_stop(**_: Any) -> None:
+        workshop.closing.begin()
+
+    worker_ready.connect(on_ready, weak=False)
+    worker_shutting_down.connect(on_stop, weak=False)
+    worker = create_app(workshop).Worker(
+        pool=BellTaskPool,
+        concurrency=settings.worker_concurrency,
+        queues=[settings.queue],
+        hostname=f"integument@{workshop.name}",
+        loglevel="INFO",
+        without_gossip=True,
+        without_mingle=True,
+        without_heartbeat=True,
+        task_events=False,
+    )
+    try:
+        worker.start()
+    finally:
+        reconciler.stop()
+        workshop.nursery.stop()
+        for job_id, attempt in workshop.closing.left:
+            workshop.announce(job_id, attempt)
+        workshop.close()
+        liveness.end()
+    return int(worker.exitcode or 0)

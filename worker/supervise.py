@@ -1,0 +1,166 @@
+"""One attempt of one job: a child does the work, we watch it, keep the lease, and write down how it ended."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+from core.errors import IntegumentError, InternalError
+from sandbox.outcome import Outcome, log_tail
+from sandbox.overrun import find_overrun
+from store.job import Job, JobFailure, JobOutput
+from worker.child_result import read_outputs, read_result, store_outputs
+from worker.database_outage import sit_out
+from worker.job_folder import job_folder
+from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
+from worker.progress import Progress
+from worker.workshop import Workshop
+
+logger = logging.getLogger(__name__)
+
+WATCH_S = 0.2  # between looks at memory, clock and disk
+RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed"})  # another attempt may fare better
+
+T = TypeVar("T")
+
+
+def supervise(workshop: Workshop, job: Job) -> None:
+    """Bring a claimed job to an end, or give it back. What happens to the child never raises; a broken disk or database may."""
+    progress = Progress()
+    attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress))
+    with job_folder(workshop.settings.scratch_dir, job) as folder:
+        try:
+            attempt.run(folder)
+        except LeaseLostError:
+            logger.warning("job %s: lost the lease, its child is ended", job.id)
+        except DismissedError:
+            sit_out(lambda: workshop.jobs.confirm_dismissed(job.id, job.lease_token))
+        except ToldToStopError:
+            if sit_out(lambda: workshop.jobs.release(job.id, job.lease_token)):
+                workshop.closing.left.append((job.id, job.attempt))
+
+
+class _Attempt:
+    def __init__(self, workshop: Workshop, job: Job, progress: Progress, lease: Lease) -> None:
+        self._workshop = workshop
+        self._job = job
+        self._progress = progress
+        self._lease = lease
+        self._peak_bytes: int | None = None
+
+    def run(self, folder: Path) -> None:
+        """Raises LeaseLostError, DismissedError, ToldToStopError; the child is dead whenever this ends."""
+        failed_outputs: tuple[dict[str, Any], ...] = ()
+        try:
+            outcome = self._work(folder)
+            self._peak_bytes = outcome.max_rss_bytes
+            failed_outputs = outcome.outputs
+            if outcome.error is not None:
+                raise outcome.error
+            self._finish(outcome.result or {}, folder)
+        except IntegumentError as error:
+            self._log(error, folder)
+            self._fail(error, failed_outputs, folder)
+
+    def _work(self, folder: Path) -> Outcome:
+        """The child from spawn to end; its error is replaced by the limit it was killed for."""
+        self._await_nursery()
+        child = self._workshop.nursery.spawn(self._workshop.target, self._payload(folder), self._workshop.limits, folder)
+        overrun: IntegumentError | None = None
+        with child:
+            while (outcome := child.outcome()) is None:
+                for message in child.events(WATCH_S):
+                    self._progress.hear(message)
+                self._lease.beat()
+                if overrun is None and (overrun := find_overrun(child)) is not None:
+                    child.kill()
+        return outcome if overrun is None else Outcome(None, overrun, (), outcome.exit_code, outcome.max_rss_bytes)
+
+    def _await_nursery(self) -> None:
+        """The lease must be kept while the nursery loads, too."""
+        patience = int(self._workshop.nursery.ready_timeout_s / WATCH_S)
+        for _ in range(patience):
+            if self._workshop.nursery.wait_until_ready(WATCH_S):
+                return
+            self._lease.beat()
+
+    def _payload(self, folder: Path) -> dict[str, Any]:
+        out = folder / "out"
+        out.mkdir(mode=0o700)
+        meshes = {}
+        for href, mesh in self._job.mesh_inputs.items():
+            path = self._workshop.blobs.path(mesh.sha256)
+            if not path.is_file():
+                raise InternalError("blob.missing", f"the file of mesh {mesh.name} is not in the store", sha256=mesh.sha256)
+            meshes[href] = {
+                "path": str(path),
+                "name": mesh.name,
+                "sha256": mesh.sha256,
+                "media_type": mesh.media_type,
+                "file_name": mesh.file_name,
+            }
+        return {"process": self._job.process, "inputs": dict(self._job.inputs), "meshes": meshes, "out_dir": str(out)}
+
+    def _finish(self, told: dict[str, Any], folder: Path) -> None:
+        result = read_result(told)
+        self._progress.enter("store")
+        outputs = self._keep_beating(lambda: store_outputs(result.outputs, folder, self._workshop.blobs))
+        self._lease.tell_all()
+        kept = sit_out(
+            lambda: self._workshop.jobs.finish(
+                self._job.id,
+                self._job.lease_token,
+                verdict=result.verdict,
+                summary=result.summary,
+                outputs=outputs,
+                timings_s=self._progress.timings_s(),
+                peak_memory_bytes=self._peak_bytes,
+            )
+        )
+        logger.info("job %s: %s", self._job.id, result.verdict if kept else "finished, but nobody wants it any more")
+
+    def _fail(self, error: IntegumentError, listed: tuple[dict[str, Any], ...], folder: Path) -> None:
+        """Write the failure down, with the report the child may have left; queue the job again if that may help."""
+        outputs: dict[str, JobOutput] = {}
+        try:
+            outputs = self._keep_beating(lambda: store_outputs(read_outputs(listed), folder, self._workshop.blobs))
+        except IntegumentError as second:
+            logger.error("job %s: the report of its failure cannot be kept: %s", self._job.id, second)
+        self._lease.tell_all()
+        job = sit_out(
+            lambda: self._workshop.jobs.fail(
+                self._job.id,
+                self._job.lease_token,
+                JobFailure.of(error),
+                outputs=outputs,
+                timings_s=self._progress.timings_s(),
+                peak_memory_bytes=self._peak_bytes,
+                retry=error.code in RETRIED_CODES,
+            )
+        )
+        if job is not None and not job.status.is_finished:
+            self._workshop.announce(job.id, job.attempt)
+
+    def _keep_beating(self, work: Callable[[], T]) -> T:
+        """Do slow disk work while the lease is kept."""
+        with ThreadPoolExecutor(max_workers=1) as helper:
+            future = helper.submit(work)
+            while True:
+                try:
+                    return future.result(timeout=WATCH_S)
+                except TimeoutError:
+                    if future.done():  # the work itself raised it
+                        raise
+                    self._lease.beat()
+
+    def _log(self, error: IntegumentError, folder: Path) -> None:
+        """For the operator; what the child printed stays on the server."""
+        if error.fault == "internal":
+            logger.error("job %s attempt %d: %s", self._job.id, self._job.attempt, error)
+            if tail := log_tail(folder).decode(errors="replace"):
+                logger.error("job %s: the end of its child's log:\n%s", self._job.id, tail)
+        else:
+            logger.info("job %s attempt %d: %s: %s", self._job.id, self._job.attempt, error.code, error)

@@ -1,0 +1,76 @@
+"""What every job of one worker process shares."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sandbox.limits import Limits
+from sandbox.nursery import Nursery
+from store.blobs import Blobs
+from store.database import Database
+from store.doorbell import Doorbell
+from store.jobs import Jobs
+from store.references import References
+from store.settings import Settings
+from worker.closing import Closing
+
+TARGET = "core.processes.registry:run"  # executed in the child; the worker itself never imports it
+
+
+@dataclass(frozen=True, slots=True)
+class Workshop:
+    """One per process; everything in it is safe to use from all threads of the pool."""
+
+    settings: Settings
+    db: Database
+    jobs: Jobs
+    blobs: Blobs
+    references: References
+    doorbell: Doorbell
+    nursery: Nursery
+    closing: Closing
+    name: str  # of this worker, in leases and logs
+    target: str = TARGET
+
+    @classmethod
+    def open(cls, settings: Settings, *, target: str = TARGET, preload: Sequence[str] | None = None) -> Workshop:
+        """Connects to nothing yet; `preload` defaults to the target's module."""
+        db = Database(settings)
+        return cls(
+            settings=settings,
+            db=db,
+            jobs=Jobs(db),
+            blobs=Blobs(settings.blob_dir),
+            references=References(db),
+            doorbell=Doorbell(settings.broker_url, settings.queue),
+            nursery=Nursery((target.partition(":")[0],) if preload is None else preload),
+            closing=Closing(settings.drain_s),
+            name=f"{socket.gethostname()}:{os.getpid()}",
+            target=target,
+        )
+
+    @property
+    def limits(self) -> Limits:
+        """Of one attempt of one job."""
+        return Limits(
+            memory_bytes=self.settings.job_memory_bytes,
+            cpu_s=int(self.settings.job_cpu_s) or 1,
+            file_bytes=self.settings.job_file_bytes,
+            wall_s=self.settings.job_wall_s,
+        )
+
+    def close(self) -> None:
+        """End every child, then all connections."""
+        self.nursery.stop()
+        self.doorbell.close()
+        self.db.close()
+
+    def announce(self, job_id: str, attempt: int) -> bool:
+        """Ring for a job that waits; False if the broker is away (the reconciler tries again)."""
+        if not self.doorbell.ring(job_id, attempt):
+            return False
+        self.jobs.mark_rung(job_id, attempt)
+        return True
