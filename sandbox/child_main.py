@@ -102,7 +102,7 @@ def _explain_os_error(error: OSError, limits: Limits) -> IntegumentError:
     if error.errno == errno.ENOMEM:
         return out_of_memory(limits, str(error))
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return InternalError("disk.full", "the server's disk is full; nothing of the input is at fault")
+        return LimitError("storage.full", "the server's disk is full; nothing of the input is at fault")
     return _unexpected(error)
 
 
