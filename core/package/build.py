@@ -1,0 +1,126 @@
+"""Build the package: one zip with every surface in every format, index files, manifest, README and report."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from core.io.registry import write_mesh
+from core.package.archive import write_archive
+from core.package.bem_fmm import FOLDER as BEM_FMM
+from core.package.bem_fmm import matlab_index, python_index
+from core.package.conductivity import look_up
+from core.package.manifest import FILE_NAME, FileEntry, Manifest, TissueEntry, find_input_checksums
+from core.package.readme import readme_text
+from core.package.requirements import require_packable
+from core.package.tissue import Tissue
+from core.reports.figures.figure import Figure
+from core.reports.html import render_html
+from core.schema.report import Report
+
+
+def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, figures: Sequence[Figure]) -> Report:
+    """Write the zip of spec section 3 and return its report, which names the checksums of the delivered STL files.
+
+    Needs:    tissues in nesting order, float32-exact; input checksums as `sha256` in the parameters of the report.
+    Promises: same tissues, report and figures: the same bytes. The STL files are those of `write_mesh(mesh, path, "stl",
+              name)`; MAT holds the same vertices bit for bit, in class double.
+    Raises:   InternalError `package.name_refused`, `package.not_nested`, `package.not_rounded`.
+    """
+    require_packable(tissues)
+    with TemporaryDirectory(dir=out_path.parent, prefix="package-") as scratch:
+        folder = Path(scratch)
+        for tissue in tissues:
+            _write_surfaces(folder, tissue)
+        checksums = {tissue.name: _sha256(folder / "stl" / f"{tissue.name}.stl") for tissue in tissues}
+        packed = _with_checksums(report, checksums)
+        _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
+        _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
+        _write_text(folder / "README.txt", readme_text(tissues, report))
+        _write_text(folder / "report" / "report.json", packed.model_dump_json(indent=2) + "\n")
+        _write_text(folder / "report" / "report.html", render_html(packed, figures))
+        for figure in figures:
+            _parent_of(folder / "figures" / f"{figure.name}.png").write_bytes(figure.png)
+        files = {path.relative_to(folder).as_posix(): _entry(path) for path in sorted(folder.rglob("*")) if path.is_file()}
+        _write_text(folder / FILE_NAME, _manifest(tissues, packed, files).model_dump_json(indent=2) + "\n")
+        write_archive(out_path, folder, [FILE_NAME, *files])
+    return packed
+
+
+def _write_surfaces(folder: Path, tissue: Tissue) -> None:
+    mat = _parent_of(folder / "mat" / f"{tissue.name}.mat")
+    write_mesh(tissue.mesh, _parent_of(folder / "stl" / f"{tissue.name}.stl"), "stl", tissue.name)
+    write_mesh(tissue.mesh, mat, "mat", tissue.name)
+    # BEM-FMM finds its files by bare name beside the index: the folder works wherever it is put
+    shutil.copyfile(mat, _parent_of(folder / BEM_FMM / mat.name))
+
+
+def _manifest(tissues: Sequence[Tissue], report: Report, files: dict[str, FileEntry]) -> Manifest:
+    return Manifest(
+        process=report.process,
+        verdict=report.verdict,
+        tissues=tuple(_tissue_entry(tissue, files) for tissue in tissues),
+        notes=tuple(
+            f"no default conductivity is known for '{tissue.name}': {tissue.conductivity_s_per_m:g} S/m is that of muscle, "
+            "set your own"
+            for tissue in tissues
+            if _is_guess(tissue)
+        ),
+        parameters=report.parameters,
+        input_sha256=find_input_checksums(report.parameters),
+        software=report.software,
+        files=files,
+    )
+
+
+def _tissue_entry(tissue: Tissue, files: dict[str, FileEntry]) -> TissueEntry:
+    stl, mat = f"stl/{tissue.name}.stl", f"mat/{tissue.name}.mat"
+    default = look_up(tissue.name)
+    is_default = default.siemens_per_metre == tissue.conductivity_s_per_m
+    return TissueEntry(
+        name=tissue.name,
+        file=stl,
+        sha256=files[stl].sha256,
+        mat_file=mat,
+        mat_sha256=files[mat].sha256,
+        vertices=len(tissue.mesh.vertices),
+        faces=len(tissue.mesh.faces),
+        depth_mm=tissue.depth_mm,
+        conductivity_s_per_m=tissue.conductivity_s_per_m,
+        conductivity_source=default.source if is_default else "given with the tissue",
+        enclosing_tissue=tissue.enclosing,
+    )
+
+
+def _is_guess(tissue: Tissue) -> bool:
+    default = look_up(tissue.name)
+    return not default.known and default.siemens_per_metre == tissue.conductivity_s_per_m
+
+
+def _with_checksums(report: Report, checksums: dict[str, str]) -> Report:
+    meshes = {
+        name: mesh.model_copy(update={"sha256": checksums[name]}) if name in checksums else mesh
+        for name, mesh in report.meshes.items()
+    }
+    return report.model_copy(update={"meshes": meshes})
+
+
+def _entry(path: Path) -> FileEntry:
+    return FileEntry(sha256=_sha256(path), bytes=path.stat().st_size)
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _write_text(path: Path, text: str) -> None:
+    _parent_of(path).write_text(text, encoding="utf-8", newline="\n")
+
+
+def _parent_of(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path

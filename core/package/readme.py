@@ -1,0 +1,102 @@
+"""README.txt of a package: what is in it and how to load it, and nothing that is not true of these very files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from textwrap import dedent
+
+from core.package.tissue import Tissue
+from core.schema.report import Report
+
+MNE_LAYERS = (1, 3)
+
+
+def readme_text(tissues: Sequence[Tissue], report: Report) -> str:
+    """Plain text, lines of at most 100 characters."""
+    outer, inner = tissues[0].name, tissues[-1].name
+    return "\n".join(
+        [
+            _head(tissues, report),
+            _section("MATLAB", _MATLAB, outer),
+            _section("BEM-FMM", _BEM_FMM, outer),
+            _section("Python", _PYTHON, outer),
+            _section("SimNIBS and gmsh", _GMSH, outer),
+            _section("OpenMEEG", _OPENMEEG, outer),
+            _section("MNE-Python", _MNE + _mne_layers(len(tissues), outer, inner), outer),
+            _section("HFSS and other CAD programs", _HFSS, outer),
+        ]
+    )
+
+
+def _head(tissues: Sequence[Tissue], report: Report) -> str:
+    rows = [
+        f"  {each.name:<24} {len(each.mesh.faces):>9} {_depth(each):>9} {each.conductivity_s_per_m:>8.4f}  {each.enclosing}"
+        for each in tissues
+    ]
+    lines = [
+        "Nested surfaces of a human model, in millimetres",
+        "================================================",
+        "",
+        f"Verdict: {report.verdict}. The proof is in report/report.html (open it in a browser) and report/report.json.",
+        "",
+        f"  {'tissue':<24} {'faces':>9} {'depth mm':>9} {'S/m':>8}  enclosed by",
+        *rows,
+        "",
+        "Every surface is the outer border of its tissue; the tissue fills the space down to the next surface",
+        "inside. Faces run counter-clockwise seen from outside. Conductivities are defaults for low frequency,",
+        "their sources are in manifest.json: check them against your protocol.",
+        "",
+        "  stl/NAME.stl       binary STL, float32",
+        "  mat/NAME.mat       P (vertices), t (faces, counted from 1), normals (outward, one per face), all double;",
+        "                     the same vertices as the STL, bit for bit",
+        "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
+        "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
+        "  report/, figures/  what was proven, with pictures",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _depth(tissue: Tissue) -> str:
+    return "-" if tissue.depth_mm is None else f"{tissue.depth_mm:g}"
+
+
+def _section(title: str, text: str, outer: str) -> str:
+    return f"{title}\n{'-' * len(title)}\n{dedent(text).strip()}\n".replace("OUTER", outer)
+
+
+def _mne_layers(count: int, outer: str, inner: str) -> str:
+    if count in MNE_LAYERS:
+        return f"\nIts BEM takes one or three nested surfaces; this package has {count}, from {outer} to {inner}.\n"
+    return f"\nIts BEM takes one or three nested surfaces; this package has {count}, so choose.\n"
+
+
+_MATLAB = """
+    m = load('mat/OUTER.mat');                             % P in mm, t from 1, normals
+    patch('Vertices', m.P, 'Faces', m.t, 'FaceColor', [0.9 0.75 0.6], 'EdgeColor', 'none');
+    axis equal; camlight; lighting gouraud
+"""
+_BEM_FMM = """
+    MATLAB: copy the files of bem-fmm/ into the folder of your model and run its scripts there; the index names its
+    MAT files without a path. P is in mm, as the scripts expect that scale it by 1e-3.
+    Python: give bem-fmm/tissue_index.yaml as the tissue index; it refers to ../stl/.
+"""
+_PYTHON = """
+    import scipy.io
+    surface = scipy.io.loadmat("mat/OUTER.mat")
+    vertices_mm, faces = surface["P"], surface["t"].astype(int) - 1
+"""
+_GMSH = """
+    gmsh opens the files of stl/. SimNIBS computes on tetrahedra (.msh), which this package does not have: these
+    surfaces are the input for a mesher, one region between each surface and the next.
+"""
+_OPENMEEG = """
+    OpenMEEG does not read STL or MAT, and this package has no .tri, .geom or .cond files. Take vertices and faces as
+    under Python, and nesting and conductivities from manifest.json.
+"""
+_MNE = """
+    MNE-Python does not read STL. Take vertices and faces as under Python; mne.write_surface(path, vertices_mm, faces)
+    saves them as a FreeSurfer surface. It warns above 10,000 vertices.
+"""
+_HFSS = """
+    Import the files of stl/ one by one with the model unit set to mm. STL has no unit of its own.
+"""

@@ -1,0 +1,73 @@
+"""The places where two surfaces come closest, cut open along the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from core.geometry.normals import face_normals
+from core.mesh import Mesh
+from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.figures.section import Plane, cut
+from core.reports.figures.section_drawing import draw_contours, draw_legend, draw_scale_bar, frame_zoom, set_window
+from core.reports.palette import Colour
+from core.schema.report import PairReport
+
+Floats = NDArray[np.float64]
+MOST_PLACES = 3
+WINDOW_GAPS = 40.0
+SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM = 2.0, 40.0
+WIDTH_IN, LEFT_IN, GUTTER_IN, TITLE_IN, TICKS_IN, LEGEND_IN = 8.4, 0.45, 0.45, 0.28, 0.28, 0.28
+
+
+def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Figure | None:
+    """The narrowest pairs side by side; None if no pair has a place."""
+    placed = [pair for pair in pairs if pair.min_gap_point_mm is not None and pair.min_gap_mm is not None]
+    shown = sorted((pair for pair in placed if {pair.a, pair.b} <= set(meshes)), key=lambda pair: pair.min_gap_mm or 0.0)
+    shown = shown[:MOST_PLACES]
+    if not shown:
+        return None
+    panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
+    total_in = LEGEND_IN + TITLE_IN + panel_in + TICKS_IN
+    with sheet(WIDTH_IN, total_in) as figure:
+        for number, pair in enumerate(shown):
+            left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
+            axes = figure.add_axes((left_in / WIDTH_IN, TICKS_IN / total_in, panel_in / WIDTH_IN, panel_in / total_in))
+            _draw_place(axes, pair, meshes, colours)
+        draw_legend(figure, colours)
+        png = to_png(figure)
+    places = "; ".join(f"{pair.a} and {pair.b} {_gap_words(pair)} at {_point_words(pair)} mm" for pair in shown)
+    return Figure("gap_places", "Narrowest gaps", f"Sections through the narrowest places: {places}.", png)
+
+
+def _draw_place(axes: Axes, pair: PairReport, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
+    point = np.array(pair.min_gap_point_mm, dtype=np.float64)
+    across = _nearest_normal(meshes[pair.a], point)
+    plane = Plane.of(point, np.roll(np.eye(3), 1, axis=0)[int(np.argmax(np.abs(across)))], across)
+    half = 0.5 * float(np.clip(WINDOW_GAPS * (pair.min_gap_mm or 0.0), SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM))
+    low, high = np.array([-half, -half]), np.array([half, half])
+    draw_contours(axes, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
+    set_window(axes, plane, low, high, absolute=False)
+    draw_scale_bar(axes, low, high)
+    frame_zoom(axes)
+    axes.set_title(f"{pair.a} – {pair.b}: {_gap_words(pair)}", pad=5)
+
+
+def _nearest_normal(mesh: Mesh, point: Floats) -> Floats:
+    """Normal of the face whose centre is nearest, (3,); the plane only has to run across the surface there."""
+    centres = mesh.vertices[mesh.faces].mean(axis=1)
+    nearest = int(np.argmin(((centres - point) ** 2).sum(axis=1)))
+    normal: Floats = face_normals(mesh.vertices, mesh.faces[nearest : nearest + 1])[0]
+    return normal if normal.any() else np.array([0.0, 0.0, 1.0])
+
+
+def _gap_words(pair: PairReport) -> str:
+    return "they meet" if not pair.min_gap_mm else f"{pair.min_gap_mm:.3g} mm apart"
+
+
+def _point_words(pair: PairReport) -> str:
+    return "(" + ", ".join(f"{value:.1f}" for value in pair.min_gap_point_mm or ()) + ")"

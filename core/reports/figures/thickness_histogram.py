@@ -1,0 +1,69 @@
+"""How much of each layer lies at which depth, with the target as a line and the on-target band around it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import NDArray
+
+from core.geometry.normals import face_areas
+from core.mesh import Mesh
+from core.reports.figures.canvas import FAINT, INK, sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.palette import Colour, as_hex, lightened
+
+Floats = NDArray[np.float64]
+BINS = 64
+BAND = 0.05  # on target: within 5 % of the target (spec, section 3)
+SMALLEST_SHARE = 1e-5
+WIDTH_IN, PANEL_IN, MARGIN_IN = 8.4, 1.55, 0.55
+
+
+def draw_thickness_histogram(
+    meshes: Mapping[str, Mesh], depths_mm: Mapping[str, Floats], targets_mm: Mapping[str, float], colours: Mapping[str, Colour]
+) -> Figure:
+    """One panel per layer; depths (F,) or (V,) of its mesh. Shares are of the layer's area, on a logarithmic scale."""
+    total_in = (PANEL_IN + MARGIN_IN) * len(depths_mm)
+    with sheet(WIDTH_IN, total_in) as figure:
+        for number, (name, depths) in enumerate(depths_mm.items()):
+            bottom_in = total_in - number * (PANEL_IN + MARGIN_IN) - PANEL_IN - 0.12
+            axes = figure.add_axes((0.09, bottom_in / total_in, 0.89, (PANEL_IN - 0.14) / total_in))
+            target = targets_mm[name]
+            edges = np.linspace(0.0, max(1.2 * target, float(depths.max()) * 1.001), BINS + 1)
+            counts, _ = np.histogram(_per_face(depths, meshes[name]), bins=edges, weights=_area_shares(meshes[name]))
+            axes.axvspan((1 - BAND) * target, (1 + BAND) * target, color=as_hex(lightened((0, 128, 90), 0.8)), linewidth=0)
+            bottoms = np.full(BINS, SMALLEST_SHARE)
+            heights = np.maximum(counts, SMALLEST_SHARE) - bottoms
+            axes.bar(edges[:-1], heights, np.diff(edges), bottoms, align="edge", color=as_hex(colours[name]), linewidth=0)
+            axes.axvline(target, color=INK, linewidth=1.0)
+            axes.annotate(f" target {target:g} mm", (target, 1.0), (2, -2), textcoords="offset points", ha="left", va="top")
+            axes.set_yscale("log")
+            axes.set_ylim(SMALLEST_SHARE, 1.0)
+            axes.set_xlim(0.0, float(edges[-1]))
+            axes.set_yticks([1e-4, 1e-3, 1e-2, 1e-1, 1.0])
+            axes.minorticks_off()
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _position: f"{100 * share:g} %"))
+            axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
+            axes.set_axisbelow(True)
+            axes.set_ylabel("share of area")
+            axes.set_title(name, x=0.01, y=0.80)
+        axes.set_xlabel("depth below the skin [mm]")
+        png = to_png(figure)
+    caption = (
+        "Share of each layer's area by its depth below the skin, logarithmic. Line: the target outside all regions; "
+        "green: within 5 % of it."
+    )
+    return Figure("thickness_histogram", "Thickness histogram", caption, png)
+
+
+def _per_face(depths_mm: Floats, mesh: Mesh) -> Floats:
+    per_face: Floats = depths_mm if len(depths_mm) == len(mesh.faces) else depths_mm[mesh.faces].mean(axis=1)
+    return per_face
+
+
+def _area_shares(mesh: Mesh) -> Floats:
+    areas = face_areas(mesh.vertices, mesh.faces)
+    shares: Floats = areas / areas.sum()
+    return shares

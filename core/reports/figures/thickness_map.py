@@ -1,0 +1,46 @@
+"""Depth of one layer painted on it: front, back, and the sides of the head, where the thin ears are."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from numpy.typing import NDArray
+
+from core.mesh import Mesh
+from core.reports.figures.body_frame import BodyFrame
+from core.reports.figures.canvas import INK, sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
+from core.reports.figures.view import Surface, look
+
+Floats = NDArray[np.float64]
+COLOUR_MAP = "magma"
+WIDTH_IN, HEIGHT_IN, BAR_IN = 8.4, 5.5, 0.66
+TOP_OF_SCALE = 1.1  # of the target: a layer that is too deep shows too
+
+
+def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: float, frame: BodyFrame) -> Figure:
+    """One layer's depth below the skin; depths_mm (F,) or (V,)."""
+    per_face = depths_mm if len(depths_mm) == len(mesh.faces) else depths_mm[mesh.faces].mean(axis=1)
+    scale = Normalize(0.0, TOP_OF_SCALE * target_mm)
+    colour_map = matplotlib.colormaps[COLOUR_MAP]
+    colours = np.ascontiguousarray(colour_map(scale(per_face), bytes=True)[:, :3])
+    surface = Surface.of(mesh)
+    with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
+        panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
+        for panel in panels:
+            place_picture(figure, panel, look(surface, panel.view).paint(colours), round(BAR_IN * VIEW_DPI))
+        axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
+        bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal")
+        bar.outline.set_linewidth(0.4)
+        axes.axvline(target_mm, color=INK, linewidth=1.2)
+        axes.set_xlabel(f"depth of {name} below the skin [mm]; dark line: target {target_mm:g} mm")
+        png = to_png(figure)
+    low, middle = np.percentile(per_face, [1, 50])
+    caption = (
+        f"Depth of {name}, painted face by face on the layer. Half of the faces are deeper than {middle:.2f} mm, 99 % deeper "
+        f"than {low:.2f} mm; the target outside all regions is {target_mm:g} mm."
+    )
+    return Figure(f"thickness_{name}", f"Thickness map: {name}", caption, png)

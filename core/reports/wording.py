@@ -1,0 +1,100 @@
+"""Numbers and codes in the words of the report: units people read, no more digits than are true."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from core.schema.report import PairReport, Relation
+
+MM2_PER_CM2 = 100.0
+MM3_PER_LITRE = 1e6
+MM3_PER_CM3 = 1e3
+NOT_KNOWN = "–"
+THIN_SPACE = "\u202f"
+MOST_NUMBERS = 12
+
+_RELATIONS: dict[Relation, str] = {
+    "a_inside_b": "{a} lies inside {b}",
+    "b_inside_a": "{b} lies inside {a}",
+    "disjoint": "apart, neither inside the other",
+    "intersecting": "they intersect",
+    "undetermined": "cannot be told",
+}
+
+
+def whole(value: int | None) -> str:
+    """`107 024`."""
+    return NOT_KNOWN if value is None else f"{value:,}".replace(",", THIN_SPACE)
+
+
+def significant(value: float | None, digits: int = 3) -> str:
+    """`0.0213`, `12.4`, `1 240`; never an exponent for what people can read."""
+    if value is None:
+        return NOT_KNOWN
+    if value == 0 or 1e-4 <= abs(value) < 1e6:
+        text = f"{value:.{digits}g}"
+        return whole(round(value)) if "e" in text else text.replace("-", "−")
+    return f"{value:.{digits - 1}e}".replace("-", "−")
+
+
+def area(mm2: float | None) -> str:
+    """In cm², for a body in m²."""
+    if mm2 is None:
+        return NOT_KNOWN
+    cm2 = mm2 / MM2_PER_CM2
+    return f"{cm2 / 1e4:.4f} m²" if cm2 >= 1e3 else f"{significant(cm2, 4)} cm²"
+
+
+def volume(mm3: float | None) -> str:
+    """In cm³, for a body in litres."""
+    if mm3 is None:
+        return NOT_KNOWN
+    return f"{mm3 / MM3_PER_LITRE:.3f} l" if abs(mm3) >= MM3_PER_LITRE else f"{significant(mm3 / MM3_PER_CM3, 4)} cm³"
+
+
+def percent(share: float | None) -> str:
+    """`98.62 %`; what is not all is never rounded up to 100 %."""
+    if share is None:
+        return NOT_KNOWN
+    if 0 < share < 1:
+        return f"{min(max(100 * share, 0.01), 99.99):.2f} %"
+    return f"{100 * share:g} %"
+
+
+def yes_no(value: bool | None) -> str:
+    """`yes`, `no`, or not known."""
+    return NOT_KNOWN if value is None else ("yes" if value else "no")
+
+
+def point(mm: tuple[float, float, float] | None) -> str:
+    """`(12.3, −4.0, 801.2)`."""
+    return NOT_KNOWN if mm is None else "(" + ", ".join(f"{value:.1f}" for value in mm).replace("-", "−") + ")"
+
+
+def numbers(values: tuple[int, ...]) -> str:
+    """The first few of many."""
+    shown = ", ".join(map(str, values[:MOST_NUMBERS]))
+    return shown + (f" and {len(values) - MOST_NUMBERS} more" if len(values) > MOST_NUMBERS else "")
+
+
+def relation(pair: PairReport) -> str:
+    """How two meshes lie to each other."""
+    return _RELATIONS[pair.relation].format(a=pair.a, b=pair.b)
+
+
+def flattened(parameters: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Nested parameters as rows: `layers[0].depth_mm` -> `1.0`."""
+    rows: list[tuple[str, str]] = []
+    for key, value in parameters.items():
+        rows += _flattened_value(f"{prefix}{key}", value)
+    return rows
+
+
+def _flattened_value(path: str, value: Any) -> list[tuple[str, str]]:
+    if isinstance(value, dict) and value:
+        return flattened(value, f"{path}.")
+    if isinstance(value, list | tuple) and any(isinstance(item, dict | list | tuple) for item in value):
+        return [row for index, item in enumerate(value) for row in _flattened_value(f"{path}[{index}]", item)]
+    if isinstance(value, list | tuple):
+        return [(path, ", ".join(map(str, value)) or NOT_KNOWN)]
+    return [(path, NOT_KNOWN if value is None or value == {} else str(value))]
