@@ -16,7 +16,7 @@ from core.mesh import Mesh
 PASSED_OVER = frozenset(
     b"vt vn vp g o s usemtl mtllib l p mg usemap maplib lod shadow_obj trace_obj bevel c_interp d_interp".split()
 )
-LONGEST_WORD = 64
+LARGEST_INDEX = 2**53
 
 
 def read(path: Path) -> Reading:
@@ -33,6 +33,8 @@ def read(path: Path) -> Reading:
         if not words or words[0].startswith(b"#"):
             continue
         try:
+            if words[0] in (b"v", b"f") and b"_" in line:
+                raise ValueError("a word is not a number")  # Python reads 1_000, OBJ does not know it
             if words[0] == b"v":
                 vertices.append(_parse_vertex(words))
             elif words[0] == b"f":
@@ -60,28 +62,16 @@ def write(mesh: Mesh, path: Path, name: str) -> None:
 def _parse_vertex(words: list[bytes]) -> tuple[float, float, float]:
     if len(words) < 4:
         raise ValueError(f"a vertex of {len(words) - 1} numbers, 3 are needed")
-    x, y, z = words[1:4]
-    _require_plain(words[1:4])
-    return float(x), float(y), float(z)
+    return float(words[1]), float(words[2]), float(words[3])
 
 
 def _parse_face(words: list[bytes], vertex_count: int) -> list[int]:
     """Vertex numbers of one face, 0-based; too small or too large ones are found when all vertices are known."""
     if len(words) < 4:
         raise ValueError(f"a face of {len(words) - 1} corners, 3 are needed")
-    _require_plain(words)
-    face = []
-    for word in words[1:]:
-        number = int(word.partition(b"/")[0])
-        if number == 0:
-            raise InputError("obj.zero_based", "a face has index 0; OBJ counts vertices from 1", vertices_before=vertex_count)
-        if abs(number) >= 2**53:
-            raise ValueError(f"index {number} is larger than any file can hold")
-        face.append(number - 1 if number > 0 else vertex_count + number)
-    return face
-
-
-def _require_plain(words: list[bytes]) -> None:
-    """Python's own extras are no OBJ: digits without end, 1_000."""
-    if any(len(word) > LONGEST_WORD or b"_" in word for word in words):
-        raise ValueError("a word is not a number")
+    numbers = [int(word.partition(b"/")[0]) for word in words[1:]]
+    if 0 in numbers:
+        raise InputError("obj.zero_based", "a face has index 0; OBJ counts vertices from 1", vertices_before=vertex_count)
+    if max(numbers) >= LARGEST_INDEX or min(numbers) <= -LARGEST_INDEX:
+        raise ValueError(f"an index is larger than {LARGEST_INDEX}")
+    return [number - 1 if number > 0 else vertex_count + number for number in numbers]

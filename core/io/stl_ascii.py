@@ -30,7 +30,6 @@ KEYWORDS = {
 }
 COORDINATE_COLUMNS = (8, 9, 10, 12, 13, 14, 16, 17, 18)
 BLOCK_BYTES = 1 << 24  # words cost ten times their text; a block at a time keeps that small
-LONGEST_NUMBER = 64  # characters; float() accepts digits without end
 WHITESPACE = re.compile(rb"\s*")
 SOLID = re.compile(rb"solid\b")
 
@@ -95,21 +94,22 @@ def _parse_facets(body: bytes) -> Iterator[NDArray[np.float64]]:
     while start < len(body):
         cut = body.find(b"endfacet", start + BLOCK_BYTES)
         stop = len(body) if cut < 0 else cut + len(b"endfacet")
-        words = body[start:stop].split()
-        yield _parse_block(words, facets)
+        block = body[start:stop]
+        words = block.split()
+        yield _parse_block(words, facets, plain=b"_" not in block)
         facets += len(words) // WORDS_PER_FACET
         start = stop
 
 
-def _parse_block(words: list[bytes], first_facet: int) -> NDArray[np.float64]:
-    """Check all keywords, then convert all numbers; only a bad block is looked at word by word."""
+def _parse_block(words: list[bytes], first_facet: int, *, plain: bool) -> NDArray[np.float64]:
+    """Check all keywords, then convert all numbers; only a bad block, or one not `plain`, is looked at word by word."""
     count, rest = divmod(len(words), WORDS_PER_FACET)
     if rest or any(words[column::WORDS_PER_FACET].count(word) != count for column, word in KEYWORDS.items()):
         raise _misplaced_word(words, first_facet)
     corners = np.empty((count, 9))
     for place, column in enumerate(COORDINATE_COLUMNS):
         numbers = words[column::WORDS_PER_FACET]
-        if max(map(len, numbers), default=0) > LONGEST_NUMBER or b"_" in b"".join(numbers):
+        if not plain and not all(map(_is_number, numbers)):
             raise _no_number(numbers, first_facet)
         try:
             corners[:, place] = np.fromiter(map(float, numbers), np.float64, count)
@@ -140,13 +140,11 @@ def _no_number(numbers: list[bytes], first_facet: int) -> InputError:
 
 
 def _is_number(word: bytes) -> bool:
-    if len(word) > LONGEST_NUMBER or b"_" in word:
-        return False
     try:
         float(word)
     except ValueError:
         return False
-    return True
+    return b"_" not in word  # Python reads 1_000, STL does not know it
 
 
 def _quote(text: bytes) -> str:

@@ -204,6 +204,20 @@ def test_a_chunk_that_unpacks_to_more_than_it_says_is_refused(file: Path) -> Non
     assert caught.value.code == "hdf5.corrupt"
 
 
+def test_a_chunk_shorter_than_its_checksum_is_refused(file: Path) -> None:
+    """HDF5 2.0.0 itself ends in a segmentation fault here."""
+
+    def fill(content: h5py.File) -> None:
+        dataset = content.create_dataset("P", (3, 4), "<f8", chunks=(3, 4), compression="gzip", fletcher32=True)
+        dataset.id.write_direct_chunk((0, 0), b"\x01")
+        put(content, "t", T)
+
+    write(file, fill, with_mesh=False)
+    with pytest.raises(InputError, match=r"was stored|cannot be unpacked|more or less") as caught:
+        mat.read(file)
+    assert caught.value.code == "hdf5.corrupt"
+
+
 def test_chunks_never_written_are_refused(file: Path) -> None:
     def fill(content: h5py.File) -> None:
         content.create_dataset("P", (3, 4), "<f8", chunks=(3, 2))[:, :2] = 1.0
