@@ -11,26 +11,27 @@ import argparse
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from core.package.read import read_shells
-from integument import Client, EmbeddedServer, IntegumentError, Job, JobFailedError, Report
+from integument import Client, EmbeddedServer, IntegumentError, Job, JobFailedError, ProblemError, Report
 from integument.cli.progress import ProgressView, choose_view
 from integument.cli.verdict_table import finding_lines, mesh_table
 from rich.console import Console
-from rich.text import Text
 
 from core.io.registry import write_mesh
+from core.package.read import read_shells
 from core.validation.validate import Validation, validate
 from subjects.body import body
 
 OUT = Path(__file__).resolve().parent.parent / "out" / "demo"
 LAYERS_MM = {"fat": 1.0, "average_body": 3.0}
+TETGEN_LIMIT_S = 600
 MIN_GAP_MM = 0.02  # what two shells keep between them whatever the anatomy
 
 
@@ -42,6 +43,8 @@ class Checked:
     report: Report
     files: Validation
     recheck_s: float
+    tetrahedra: int
+    """How many TetGen fills the three shells with, from the same files; 0 if it refuses them."""
 
     def as_found_in_files(self) -> Report:
         """The job's report with meshes and pairs replaced by what the files themselves say."""
@@ -57,6 +60,8 @@ class Checked:
             found.append(f"the zip holds {sorted(self.files.meshes)}, not {sorted(expected)}")
         if self.files.verdict != "simulation_ready":
             found.append(f"checked again, the files are {self.files.verdict}")
+        if not self.tetrahedra:
+            found.append("TetGen refuses the files")
         return found
 
 
@@ -71,7 +76,9 @@ def main() -> int:
         checked = _run(options.subdivisions, console)
     except JobFailedError as error:
         console.print(f"{error}", style="red", markup=False)
-        console.print(f"What is known of it: {OUT / 'report.html'}", markup=False, soft_wrap=True)
+        for name in ("report.html", "data/logs"):
+            if (OUT / name).exists():
+                console.print(f"See {OUT / name}", markup=False, soft_wrap=True)
         return 1
     except IntegumentError as error:
         console.print(f"{type(error).__name__}: {error}", style="red", markup=False)
@@ -128,7 +135,19 @@ def _run(subdivisions: int, console: Console) -> Checked:
     console.print("checking the files in the zip again, from nothing but their bytes ...")
     begun = time.monotonic()
     files = validate(read_shells(OUT / "package.zip"), min_gap_mm=MIN_GAP_MM)
-    return Checked(job, report, files, time.monotonic() - begun)
+    recheck_s = time.monotonic() - begun
+    console.print("giving all three shells together to TetGen ...")
+    return Checked(job, report, files, recheck_s, _count_tetrahedra(OUT / "package.zip"))
+
+
+def _count_tetrahedra(package: Path) -> int:
+    command = [sys.executable, str(Path(__file__).with_name("tetrahedralize_package.py")), str(package)]
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=TETGEN_LIMIT_S, check=True)
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+        print(error, file=sys.stderr)
+        return 0
+    return int(done.stdout.split()[-1])
 
 
 def _submit_and_wait(client: Client, skin_path: Path, view: ProgressView) -> Job:
@@ -138,8 +157,9 @@ def _submit_and_wait(client: Client, skin_path: Path, view: ProgressView) -> Job
         job = client.execute("shells", {"skin": {"href": mesh.href}, "layers": layers, "thin_policy": "adapt"})
         try:
             return client.wait(job, view.on_event)
-        except JobFailedError:
-            (OUT / "report.html").write_text(client.report_html(job), encoding="utf-8")
+        except JobFailedError as error:
+            with suppress(ProblemError):  # it may have ended before there was anything to report
+                (OUT / "report.html").write_text(client.report_html(error.job), encoding="utf-8")
             raise
 
 
@@ -153,9 +173,12 @@ def _show(checked: Checked, console: Console, total_s: float) -> None:
         f"Job {job_s:.1f} s ({timings}); files checked again in {checked.recheck_s:.1f} s; all in all {total_s:.1f} s",
         highlight=False,
     )
+    console.print(f"TetGen (pYQ) fills the shells with {checked.tetrahedra:,} tetrahedra", highlight=False)
     complaints = checked.complaints()
-    verdict = Text("simulation_ready, proven twice", "bold green") if not complaints else Text("; ".join(complaints), "bold red")
-    console.print(Text.assemble("Verdict: ", verdict))
+    if complaints:
+        console.print(f"not accepted: {'; '.join(complaints)}", style="bold red", markup=False, highlight=False)
+    else:
+        console.print("simulation_ready, in the service and again from the files", style="bold green")
     console.print(f"Package: {OUT / 'package.zip'}", markup=False, highlight=False, soft_wrap=True)
     console.print(f"Report:  {OUT / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
 
