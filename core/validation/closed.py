@@ -11,13 +11,16 @@ from core.validation.surface import Surface
 
 
 def check_closed(surface: Surface) -> list[Finding]:
-    """Report edges with a single face; one place per hole, largest first, with the vertices of its rim."""
-    ends = surface.edges.ends[surface.edges.face_count == 1]
+    """Report edges with a single face; one place per hole, largest first, with the vertices of its rim and the faces at it."""
+    lone = surface.edges.face_count == 1
+    ends = surface.edges.ends[lone]
     if len(ends) == 0:
         return []
     rim, local = np.unique(ends, return_inverse=True)
     holes, label = label_connected(len(rim), *local.reshape(-1, 2).T)
     sizes = np.bincount(label)
+    row, side = np.nonzero(lone[surface.edges.of_face])
+    hole_of_row = label[np.searchsorted(rim, surface.edges.ends[surface.edges.of_face[row, side], 0])]
     places = []
     for hole in np.argsort(-sizes, kind="stable")[:MAX_PLACES]:
         vertices = rim[label == hole]
@@ -25,6 +28,7 @@ def check_closed(surface: Surface) -> list[Finding]:
             Place(
                 mesh=surface.name,
                 point_mm=point_of(surface.mesh.vertices[vertices].mean(axis=0)),
+                faces=tuple(np.unique(surface.face_number[row[hole_of_row == hole]])[:MAX_PLACES].tolist()),
                 vertices=tuple(int(vertex) for vertex in vertices[:MAX_PLACES]),
             )
         )

@@ -68,7 +68,9 @@ def _cases() -> dict[str, Case]:
     two_tips = welded(together(tetrahedron(), tetrahedron(-1.0)))
     line = Mesh.of([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], [[0, 1, 2], [0, 1, 3], [0, 2, 2]])
     return {
-        "a missing face": Case(check_closed, without_faces(cube(), [3]), "mesh.not_closed", 3, vertices={4, 5, 7}, places=1),
+        "a missing face": Case(
+            check_closed, without_faces(cube(), [3]), "mesh.not_closed", 3, faces={2, 3, 9}, vertices={4, 5, 7}, places=1
+        ),
         "two holes": Case(check_closed, without_faces(sphere(1.0, 2), [0, 127]), "mesh.not_closed", 6, places=2),
         "one face alone": Case(check_closed, Mesh.of(np.eye(3), [[0, 1, 2]]), "mesh.not_closed", 3, vertices={0, 1, 2}),
         "the rim of a Möbius strip": Case(check_closed, moebius_strip(8), "mesh.not_closed", 16, places=1),
