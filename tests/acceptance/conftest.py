@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 
 from core.mesh import Mesh
 from subjects.body import body
-from tests.acceptance.service import Service, unpack_shells
+from tests.acceptance.service import FINISHED, Service, unpack_shells
 from tests.embedded import Embedded, embedded
 
 
@@ -41,9 +42,8 @@ def server(data_dir: Path) -> Iterator[Embedded]:
 
 @pytest.fixture(scope="session")
 def service(server: Embedded) -> Iterator[Service]:
-    service = Service(server.url)
-    yield service
-    service.http.close()
+    with closing(Service(server.url)) as service:
+        yield service
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +57,12 @@ def run_main_job(service: Service, skin: str) -> MainJob:
     started = time.monotonic()
     job = service.shells(skin)
     seen: list[dict[str, Any]] = []
-    status = service.wait(job, lambda status: seen.append(status) or status["status"] in ("successful", "failed"))
+
+    def is_over(status: dict[str, Any]) -> bool:
+        seen.append(status)
+        return status["status"] in FINISHED
+
+    status = service.wait(job, is_over)
     seconds = time.monotonic() - started
     assert status["status"] == "successful", status
     package = service.result(job, "package")

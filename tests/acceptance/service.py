@@ -26,6 +26,10 @@ class Service:
     def __init__(self, url: str) -> None:
         self.http = httpx.Client(base_url=url, timeout=60, trust_env=False)
 
+    def close(self) -> None:
+        """Let go of the connections."""
+        self.http.close()
+
     def upload(self, mesh: Mesh, name: str = "skin") -> str:
         """Send as binary STL in mm; the reference to it."""
         reply = self.http.post(

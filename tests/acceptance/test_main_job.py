@@ -8,6 +8,7 @@ import zipfile
 from hashlib import sha256
 from itertools import combinations, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def count_intersections(shells: dict[str, Mesh]) -> int:
 
 def judge_with_tetgen(shells: dict[str, Mesh], folder: Path) -> dict[str, int]:
     """TetGen's word, from a process of its own."""
-    arrays = {}
+    arrays: dict[str, Any] = {}
     for index, mesh in enumerate(shells.values()):
         arrays |= {f"vertices_{index}": mesh.vertices, f"faces_{index}": mesh.faces}
     np.savez(folder / "shells.npz", **arrays)

@@ -1,30 +1,45 @@
-"""`integument serve` killed as a whole in mid-job and started again: the job finishes."""
+"""The whole server stopped, then killed, in mid-job and started again each time: the job finishes."""
 
+import signal
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 from subjects.body import body
 from tests.acceptance.service import Service, unpack_shells
 from tests.embedded import embedded
 
 
-def test_job_survives_the_sigkill_of_the_whole_server(tmp_path: Path) -> None:
-    with embedded(tmp_path / "data") as server:
-        before = Service(server.url)
-        job = before.shells(before.upload(body(0), "body"))
-        waiting = before.execute("validate", {"meshes": {"href": before.upload(body(0), "body")}})
-        before.wait(job, lambda status: status["status"] == "running" and status["progress"] >= 10)
+def is_under_way(status: dict[str, Any]) -> bool:
+    return bool(status["status"] == "running" and status["progress"] >= 10)
+
+
+def test_job_survives_the_stop_and_the_sigkill_of_the_whole_server(tmp_path: Path) -> None:
+    # one job at a time, so that the second one waits
+    with embedded(tmp_path / "data", {"INTEGUMENT_WORKER_CONCURRENCY": "1"}) as server:
+        with closing(Service(server.url)) as first:
+            skin = first.upload(body(0), "body")
+            job = first.shells(skin)
+            waiting = first.execute("validate", {"meshes": {"href": skin}})
+            first.wait(job, is_under_way)
+            family = server.family()
+        assert server.stop(signal.SIGINT) == 0
+        assert [process for process in family if process.is_running()] == []
+        assert "did not stop in time" not in server.output.read_text()
+
+        server.start()
+        with closing(Service(server.url)) as second:
+            assert second.wait(job, is_under_way)["attempt"] == 1  # handed back in good order: that costs no attempt
+            assert second.status(waiting)["status"] == "accepted"
         for process in server.family():
-            process.kill()  # all of it, in any order
+            process.kill()
         server.kill()
 
         server.start()
-        after = Service(server.url)
-        ended = after.succeed(job)
-        assert ended["attempt"] == 2
-        assert ended["verdict"] == "simulation_ready"
-        assert set(unpack_shells(after.result(job, "package"))) == {"skin", "fat", "average_body"}
-        assert after.succeed(waiting)["verdict"] == "simulation_ready"
-        events = after.http.get(f"/v1/jobs/{job}/events").text
-        assert events.count("event: done") == 1
-        before.http.close()
-        after.http.close()
+        with closing(Service(server.url)) as third:
+            ended = third.succeed(job)
+            assert ended["attempt"] == 2
+            assert ended["verdict"] == "simulation_ready"
+            assert set(unpack_shells(third.result(job, "package"))) == {"skin", "fat", "average_body"}
+            assert third.succeed(waiting)["verdict"] == "simulation_ready"
+            assert third.http.get(f"/v1/jobs/{job}/events").text.count("event: done") == 1

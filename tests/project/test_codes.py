@@ -40,6 +40,8 @@ def test_faults_are_documented_as_they_are_raised() -> None:
         for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FAULTS and node.args:
                 code = node.args[0]
-                if isinstance(code, ast.Constant) and documented.get(code.value) != FAULTS[node.func.id]:
+                if not isinstance(code, ast.Constant) or not isinstance(code.value, str):
+                    continue  # handed through; the place it comes from is checked for the row itself
+                if documented.get(code.value) != FAULTS[node.func.id]:
                     wrong[f"{name_of(path)}:{node.lineno} {code.value}"] = documented.get(code.value)
     assert wrong == {}

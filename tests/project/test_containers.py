@@ -114,7 +114,7 @@ def test_containers_get_the_time_their_parts_take_to_stop(services: dict[str, An
 
 
 def test_dockerfile_passes_the_linter() -> None:
-    command = [Path(sys.executable).with_name("hadolint"), "--failure-threshold", "style", DOCKERFILE]
+    command = [str(Path(sys.executable).with_name("hadolint")), "--failure-threshold", "style", str(DOCKERFILE)]
     outcome = subprocess.run(command, capture_output=True, text=True)
     assert outcome.returncode == 0, outcome.stdout
 

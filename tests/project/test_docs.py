@@ -46,5 +46,5 @@ def test_hooks_run_what_make_check_runs() -> None:
     assert recipe is not None
     for tool in re.findall(r"\$\(BIN\)/(\S+(?: scripts/\S+)?)", recipe[1]):
         assert tool in entries
-    command = [Path(sys.executable).with_name("pre-commit"), "validate-config", ROOT / ".pre-commit-config.yaml"]
+    command = [str(Path(sys.executable).with_name("pre-commit")), "validate-config", str(ROOT / ".pre-commit-config.yaml")]
     assert subprocess.run(command, capture_output=True).returncode == 0
