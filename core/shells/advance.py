@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from core.geometry.adjacency import Rows
 from core.geometry.distance import closest_points_in
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_crosses, vertex_normals
@@ -16,6 +15,8 @@ from core.geometry.quality import quality
 from core.mesh import Faces, Vertices
 from core.run import RunContext
 from core.shells.clearance import Clearance, MovingSurface
+from core.shells.reconnect import Remedy, reconnect
+from core.shells.sheet import Sheet
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -34,6 +35,8 @@ class Pace:
     depth_tolerance: float = 0.02  # relative; corrected further while outside
     poor_quality: float = 0.25  # q below which a face's corners are smoothed
     least_quality: float = 0.05  # no step may take q below this, or lower where it is below
+    reconnect_every: int = 4  # rounds
+    remedy: Remedy = field(default_factory=Remedy)
     lost_quality: float = 0.8  # share of its q that a face poorer than that may lose at the outset
 
 
@@ -42,126 +45,100 @@ PACE = Pace()
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Surroundings:
-    """What stays the same while the layers of one skin are made."""
+    """What a layer moves between: the skin its depth is measured from, and the clearance it keeps."""
 
     skin: FaceTree
-    faces: Faces
-    faces_around: Rows
-    neighbours: Rows
-    surface: MovingSurface
+    clearance: Clearance
 
     def depth(self, points: Floats) -> tuple[Floats, Floats]:
         """Distance to the skin (N,) mm and direction away from it (N, 3)."""
         distance, foot, _face = closest_points_in(self.skin, points)
         return distance, (points - foot) / np.maximum(distance, 1e-9)[:, None]
 
-    def faces_of(self, vertices: Flags) -> NDArray[np.int64]:
-        """Numbers of the faces with a corner among the vertices (V,)."""
-        return np.flatnonzero(vertices[self.faces].any(axis=1))
 
-    def corners_of(self, faces: NDArray[np.int64]) -> Flags:
-        """The vertices of some faces, as flags (V,)."""
-        flags = np.zeros(len(self.faces_around.start) - 1, dtype=np.bool_)
-        flags[self.faces[faces].ravel()] = True
-        return flags
+def advance(start: Sheet, goal: Vertices, depth_mm: Floats, around: Surroundings, run: RunContext, pace: Pace = PACE) -> Sheet:
+    """From `start`, which keeps the clearance, as near to a depth below the skin as the clearance allows.
 
-    def grown(self, vertices: Flags) -> Flags:
-        """The vertices and their neighbours."""
-        return self.corners_of(self.faces_of(vertices)) if vertices.any() else vertices
-
-
-def advance(
-    start: Vertices,
-    goal: Vertices,
-    depth_mm: Floats,
-    around: Surroundings,
-    clearance: Clearance,
-    run: RunContext,
-    pace: Pace = PACE,
-) -> Vertices:
-    """From `start`, which keeps the clearance, as near to `depth_mm` (V,) below the skin as the clearance allows.
-
-    start, goal: (V, 3) mm; the goal is a first guess and may break anything.
-    Returns (V, 3) mm; keeps the clearance, like every state on the way.
+    goal: (N, 3) mm, one place per vertex of the start, a first guess that may break anything. depth_mm: (V,) wanted below
+    each skin vertex. Where the sheet is compressed its connectivity changes.
+    Promises: the result keeps the clearance, like every state on the way; closed manifold of the same genus.
     Source: thesis Eq. (4.1) and 5.2 (move, check, repair locally), with the check inside the loop.
     """
-    vertices = _jump(start, goal, around, clearance, pace)
+    surface = MovingSurface(start.vertices, start.net.faces)
+    sheet = start.at(_jump(start, goal, surface, around.clearance, pace))
     for count in range(pace.rounds):
-        vertices, wanting, moved = _improve(vertices, depth_mm, around, clearance, pace)
+        if count % pace.reconnect_every == pace.reconnect_every - 1:
+            sheet, surface, _changed = reconnect(sheet, surface, around.clearance, pace.remedy)
+        sheet, wanting, moved = _improve(sheet, depth_mm[sheet.origin], surface, around, pace)
         run.advance((count + 1) / pace.rounds, f"round {count + 1}: {wanting} vertices off depth or shape, {moved} moved")
         if moved == 0:
             break
-    return vertices
+    return sheet
 
 
-def _jump(start: Vertices, goal: Vertices, around: Surroundings, clearance: Clearance, pace: Pace) -> Vertices:
-    """Go all the way at once, then take back, vertex by vertex, what is crowded or turned over."""
-    share = np.ones(len(start))
+def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clearance, pace: Pace) -> Vertices:
+    """Go all the way at once, then take back, vertex by vertex, what is crowded, turned over or squeezed."""
+    net = start.net
+    share = np.ones(net.vertex_count)
     vertices = goal.copy()
-    asked = np.arange(len(around.faces))
-    shape = np.minimum(pace.least_quality, pace.lost_quality * quality(start, around.faces))
+    asked = np.arange(len(net.faces))
+    least = np.minimum(pace.least_quality, pace.lost_quality * quality(start.vertices, net.faces))
     for attempt in range(pace.most_retreats):
-        crowded = around.surface.find_crowded(vertices, asked, clearance)
-        spoiled = _is_turned(start, vertices, around.faces[asked]) | (quality(vertices, around.faces[asked]) < shape[asked])
+        crowded = surface.find_crowded(vertices, asked, clearance)
+        faces = net.faces[asked]
+        spoiled = _is_turned(start.vertices, vertices, faces) | (quality(vertices, faces) < least[asked])
         crowded = np.union1d(crowded, asked[spoiled])
         if len(crowded) == 0:
             return vertices
-        back = around.grown(around.corners_of(crowded))
+        back = net.grown(net.corners_of(crowded))
         share[back] *= pace.retreat if attempt < pace.most_retreats // 2 else 0.0
         share[share < pace.smallest_share] = 0.0
-        vertices = start + share[:, None] * (goal - start)
-        asked = np.union1d(around.faces_of(back), crowded)
-    around.surface.find_crowded(start, np.arange(len(around.faces)), clearance)
-    return start
+        vertices = start.vertices + share[:, None] * (goal - start.vertices)
+        asked = np.union1d(net.faces_of(back), crowded)
+    surface.find_crowded(start.vertices, np.arange(len(net.faces)), clearance)
+    return start.vertices
 
 
-def _improve(
-    vertices: Vertices, depth_mm: Floats, around: Surroundings, clearance: Clearance, pace: Pace
-) -> tuple[Vertices, int, int]:
-    """One round of smoothing and depth correction where wanted; returns the new vertices, how many were wanting and moved."""
+def _improve(sheet: Sheet, depth_mm: Floats, surface: MovingSurface, around: Surroundings, pace: Pace) -> tuple[Sheet, int, int]:
+    """One round of smoothing and depth correction where wanted; returns the sheet, how many vertices wanted it and moved."""
+    net, vertices = sheet.net, sheet.vertices
     depth, away = around.depth(vertices)
-    before = quality(vertices, around.faces)
-    poor = around.grown(around.corners_of(np.flatnonzero(before < pace.poor_quality)))
-    wanting = around.grown(np.abs(depth - depth_mm) > pace.depth_tolerance * depth_mm) | poor
+    before = quality(vertices, net.faces)
+    poor = net.grown(net.corners_of(np.flatnonzero(before < pace.poor_quality)))
+    wanting = net.grown(np.abs(depth - depth_mm) > pace.depth_tolerance * depth_mm) | poor
     chosen = np.flatnonzero(wanting)
     if len(chosen) == 0:
-        return vertices, 0, 0
+        return sheet, 0, 0
     proposal = vertices.copy()
-    normals = vertex_normals(vertices, around.faces, "area")
+    normals = vertex_normals(vertices, net.faces, "area")
     smoothed = np.flatnonzero(poor)
-    _smooth(vertices, normals, around.neighbours.start, around.neighbours.values, smoothed, pace.smoothing, proposal)
+    _smooth(vertices, normals, net.neighbours.start, net.neighbours.values, smoothed, pace.smoothing, proposal)
     depth, away = around.depth(proposal[chosen])
     correction = np.clip(depth_mm[chosen] - depth, -pace.step_mm, pace.step_mm)
     proposal[chosen] += correction[:, None] * away
-    moved = _accept(vertices, proposal, wanting, before, around, clearance, pace)
-    return proposal, len(chosen), moved
+    moved = _accept(sheet, proposal, wanting, before, surface, around.clearance, pace)
+    return sheet.at(proposal), len(chosen), moved
 
 
 def _accept(
-    vertices: Vertices,
-    proposal: Vertices,
-    moving: Flags,
-    before: Floats,
-    around: Surroundings,
-    clearance: Clearance,
-    pace: Pace,
+    sheet: Sheet, proposal: Vertices, moving: Flags, before: Floats, surface: MovingSurface, clearance: Clearance, pace: Pace
 ) -> int:
     """Take back moves in `proposal`, in place, until it keeps clearance and quality; returns how many vertices moved.
 
     Ends because every pass takes at least one vertex back, and with all taken back the proposal is the state before.
     """
+    net = sheet.net
     moving = moving.copy()
-    asked = around.faces_of(moving)
+    asked = net.faces_of(moving)
     while True:
-        shape = quality(proposal, around.faces[asked])
-        spoiled = shape < np.minimum(before[asked], pace.least_quality) * (1 - 1e-9)
-        broken = np.union1d(around.surface.find_crowded(proposal, asked, clearance), asked[spoiled])
+        spoiled = quality(proposal, net.faces[asked]) < np.minimum(before[asked], pace.least_quality) * (1 - 1e-9)
+        broken = np.union1d(surface.find_crowded(proposal, asked, clearance), asked[spoiled])
         if len(broken) == 0:
             return int(moving.sum())
-        back = around.corners_of(broken) & moving
-        proposal[back] = vertices[back]
+        back = net.corners_of(broken) & moving
+        proposal[back] = sheet.vertices[back]
         moving &= ~back
-        asked = around.faces_of(back)
+        asked = net.faces_of(back)
 
 
 def _is_turned(start: Vertices, vertices: Vertices, faces: Faces) -> Flags:

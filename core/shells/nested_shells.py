@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +11,17 @@ from core.errors import InputError
 from core.geometry.adjacency import edges, vertex_faces, vertex_neighbours
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import vertex_normals
-from core.mesh import Mesh, Vertices
+from core.mesh import Mesh
 from core.run import SILENT, RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.schema.shells import ShellsInputs
 from core.shells.advance import Surroundings, advance
-from core.shells.clearance import Clearance, MovingSurface
+from core.shells.clearance import Clearance
 from core.shells.depth_field import limit_slope, target_depths
 from core.shells.inward_shift import inward_shift
 from core.shells.reach import measure_reach
+from core.shells.sheet import Sheet
+from core.shells.thinnest_stack import thinnest_stack
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +36,7 @@ ROUNDING_MM = 3e-4  # float32 moves a coordinate of a body by less
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shell:
-    """One layer as made. targets_mm, allowed_mm, depth_mm: (V,) asked for, what the reach allows, reached."""
+    """One layer as made. targets_mm, allowed_mm, depth_mm: (N,) per vertex asked for, allowed by the reach, reached."""
 
     name: str
     mesh: Mesh
@@ -47,12 +49,12 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     """Make the layers below a skin, outermost first.
 
     Needs:    a skin that `require_fit_skin` accepts, coordinates exact in float32.
-    Promises: same connectivity as the skin; coordinates exact in float32; shells keep `min_gap_mm` from each other and the
+    Promises: closed manifolds of the skin's genus, coordinates exact in float32; shells keep `min_gap_mm` from each other and the
               skin, and are free of self-intersection as far as float64 can tell (prove it exactly on the files).
     Raises:   InputError `layer.deeper_than_reach`, `skin.too_thin` (policy `fail`), `shells.no_room`, `region.*`.
     Source:   thesis ch. 4-6; method in docs/algorithms/shells.md.
     """
-    stage = run.stage("shells: depth field", 0.0, 0.05)
+    run.stage("shells: depth field", 0.0, 0.05)
     targets = target_depths(skin.vertices, inputs.layers, inputs.regions)
     neighbours = vertex_neighbours(edges(skin.faces).ends, len(skin.vertices))
     normals = vertex_normals(skin.vertices, skin.faces, "area")
@@ -63,17 +65,11 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     if inputs.thin_policy == "fail":
         _require_thick_enough(skin, inputs, targets, usable)
 
-    around = Surroundings(
-        skin=FaceTree.of(skin.vertices, skin.faces),
-        faces=skin.faces,
-        faces_around=vertex_faces(skin.faces, len(skin.vertices)),
-        neighbours=neighbours,
-        surface=MovingSurface(skin.vertices, skin.faces),
-    )
+    own = min(OWN_CLEARANCE_MM, inputs.min_gap_mm)
     gap = inputs.min_gap_mm + ROUNDING_MM
-    stage = run.stage("shells: thinnest stack", 0.05, 0.1)
-    thinnest = _thinnest_stack(skin, inputs, around, gap, stage)
-    return _place_layers(skin, inputs, targets, allowed, around, thinnest, gap, run)
+    names = tuple(layer.name for layer in inputs.layers)
+    stack = thinnest_stack(skin, names, gap, own, run.stage("shells: thinnest stack", 0.05, 0.1))
+    return _place_layers(skin, inputs, targets, allowed, stack, Clearance(gap, own, ()), run)
 
 
 def _place_layers(
@@ -81,76 +77,33 @@ def _place_layers(
     inputs: ShellsInputs,
     targets: Floats,
     allowed: Floats,
-    around: Surroundings,
-    thinnest: list[Vertices],
-    gap: float,
+    stack: tuple[Sheet, ...],
+    clearance: Clearance,
     run: RunContext,
 ) -> tuple[Shell, ...]:
     """Deepest layer first, each between the thinnest form of the one outside it and the finished one inside it."""
-    shift = inward_shift(skin.vertices, skin.faces, around.faces_around)
+    shift = inward_shift(skin.vertices, skin.faces, vertex_faces(skin.faces, len(skin.vertices)))
+    tree = FaceTree.of(skin.vertices, skin.faces)
     shells: list[Shell] = []
-    inner: Shell | None = None
-    for row in reversed(range(len(inputs.layers))):
-        name, done = inputs.layers[row].name, len(inputs.layers) - 1 - row
-        width = 0.9 / len(inputs.layers)
+    inner: tuple[Mesh, Floats] | None = None
+    for row in reversed(range(len(stack))):
+        name, done, width = inputs.layers[row].name, len(stack) - 1 - row, 0.9 / len(stack)
         stage = run.stage(f"shells: {name}", 0.1 + done * width, 0.1 + (done + 1) * width)
-        outer = skin.vertices if row == 0 else thinnest[row - 1]
-        obstacles = [FaceTree.of(outer, skin.faces)]
+        obstacles = [tree if row == 0 else FaceTree.of(stack[row - 1].vertices, stack[row - 1].net.faces)]
         depth = allowed[row]
         if inner is not None:
-            obstacles.append(FaceTree.of(inner.mesh.vertices, skin.faces))
-            share = np.maximum(_split(len(inputs.layers)), targets[row] / targets[row + 1])
-            depth = np.minimum(depth, share * inner.depth_mm)
-        vertices = advance(
-            thinnest[row],
-            skin.vertices + depth[:, None] * shift,
-            depth,
-            around,
-            Clearance(gap, OWN_CLEARANCE_MM, tuple(obstacles)),
-            stage,
-        )
-        mesh = skin.with_vertices(vertices).rounded_to_float32()
+            obstacles.append(FaceTree.of(inner[0].vertices, inner[0].faces))
+            share = np.maximum(_split(len(stack)), targets[row] / targets[row + 1])
+            depth = np.minimum(depth, share * inner[1])
+        around = Surroundings(tree, replace(clearance, obstacles=tuple(obstacles)))
+        origin = stack[row].origin
+        goal = skin.vertices[origin] + depth[origin, None] * shift[origin]
+        sheet = advance(stack[row], goal, depth, around, stage)
+        mesh = Mesh.of(sheet.vertices, sheet.net.faces).rounded_to_float32()
         reached, _away = around.depth(mesh.vertices)
-        inner = Shell(name, mesh, targets[row], depth, reached)
-        shells.append(inner)
+        shells.append(Shell(name, mesh, targets[row][sheet.origin], depth[sheet.origin], reached))
+        inner = mesh, reached[sheet.stand_in]
     return tuple(reversed(shells))
-
-
-def _thinnest_stack(skin: Mesh, inputs: ShellsInputs, around: Surroundings, gap: float, run: RunContext) -> list[Vertices]:
-    """Layers as close below each other as the gap allows: where every layer starts, and falls back to.
-
-    Raises: InputError `shells.no_room` where the skin's creases leave no room even for these.
-    """
-    stack: list[Vertices] = []
-    outer = skin.vertices
-    everything = np.arange(len(skin.faces))
-    for count, layer in enumerate(inputs.layers):
-        shift = inward_shift(outer, skin.faces, around.faces_around)
-        vertices = outer + 1.1 * gap * shift
-        clearance = Clearance(gap, OWN_CLEARANCE_MM, (FaceTree.of(outer, skin.faces),))
-        crowded = around.surface.find_crowded(vertices, everything, clearance)
-        if len(crowded):
-            raise InputError(
-                "shells.no_room",
-                f"at {len(crowded)} faces there is no room for layer '{layer.name}' at a gap of {inputs.min_gap_mm:g} mm; "
-                "ask for a smaller min_gap_mm or fewer layers",
-                findings=(
-                    Finding(
-                        code="shells.no_room",
-                        severity=Severity.ERROR,
-                        message=f"no room for layer '{layer.name}' at a gap of {inputs.min_gap_mm:g} mm",
-                        count=len(crowded),
-                        places=_places(skin, crowded),
-                    ),
-                ),
-                faces=len(crowded),
-                layer=layer.name,
-                min_gap_mm=inputs.min_gap_mm,
-            )
-        stack.append(vertices)
-        outer = vertices
-        run.advance((count + 1) / len(inputs.layers))
-    return stack
 
 
 def _split(layers: int) -> float:

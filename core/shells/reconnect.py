@@ -1,0 +1,143 @@
+"""Change the connectivity where a layer is compressed: flip and collapse edges under the same clearance as every step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.geometry.quality import quality, side_lengths
+from core.shells.clearance import Clearance, MovingSurface
+from core.shells.edge_choice import choose_collapses, choose_flips
+from core.shells.sheet import Connectivity, Sheet
+
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+ATTEMPTS = 4  # a batch is tried again without the edges whose new faces were crowded
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """Faces with q below these have their longest side flipped or their shortest side collapsed, where that helps."""
+
+    flip_below: float = 0.3
+    collapse_below: float = 0.2
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Change:
+    """A sheet after a batch of edits: the faces that are new (K,), and the candidate behind each (K,)."""
+
+    sheet: Sheet
+    faces: Ints
+    candidate: Ints
+
+
+def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy: Remedy) -> tuple[Sheet, MovingSurface, int]:
+    """Flip the longest sides of caps, then collapse the shortest sides of needles.
+
+    Promises: closed manifold, genus and clearance are kept; the lowest quality around a changed edge rises or stays.
+    Returns the sheet, the tree that follows it, and how many edges changed.
+    """
+    shape = quality(sheet.vertices, sheet.net.faces)
+    sides = side_lengths(sheet.vertices, sheet.net.faces)
+    caps = np.flatnonzero(shape < remedy.flip_below)
+    caps = caps[np.argsort(shape[caps], kind="stable")]
+    # side i of side_lengths lies opposite corner i, so it begins at corner i + 1
+    begins = (np.argmax(sides[caps], axis=1) + 1) % 3
+    flipped = _in_batches(len(caps), sheet, clearance, lambda allowed: _flip(sheet, caps, begins, allowed))
+    if flipped is not None:
+        sheet, surface = flipped[0], flipped[1]
+
+    after_flips = sheet
+    edges = _needles(after_flips, remedy.collapse_below)
+    collapsed = _in_batches(len(edges), sheet, clearance, lambda allowed: _collapse(after_flips, edges, allowed, strict=True))
+    if collapsed is not None:
+        sheet, surface = collapsed[0], collapsed[1]
+    return sheet, surface, sum(result[2] for result in (flipped, collapsed) if result is not None)
+
+
+def collapse_edges(sheet: Sheet, edges: Ints) -> Sheet:
+    """Collapse as many of the edges (E, 2) as may be at once, to their middles, in the order given.
+
+    Keeps closed manifold and genus and turns no face over; quality and clearance are the caller's business.
+    """
+    change = _collapse(sheet, edges, np.ones(len(edges), dtype=np.bool_), strict=False)
+    return sheet if change is None else change.sheet
+
+
+def shortest_sides(sheet: Sheet, faces: Ints) -> Ints:
+    """The shortest side of each face, (K, 2) vertices, shortest first, none twice."""
+    lengths = side_lengths(sheet.vertices, sheet.net.faces[faces])
+    side = np.argmin(lengths, axis=1)
+    rows = np.arange(len(faces))
+    ends = np.column_stack((sheet.net.faces[faces, (side + 1) % 3], sheet.net.faces[faces, (side + 2) % 3])).astype(np.int64)
+    order = np.argsort(lengths[rows, side], kind="stable")
+    ends = np.sort(ends[order], axis=1)
+    _unique, first = np.unique(ends, axis=0, return_index=True)
+    return ends[np.sort(first)]
+
+
+def _needles(sheet: Sheet, below: float) -> Ints:
+    return shortest_sides(sheet, np.flatnonzero(quality(sheet.vertices, sheet.net.faces) < below))
+
+
+def _in_batches(
+    count: int, sheet: Sheet, clearance: Clearance, edit: Callable[[Flags], _Change | None]
+) -> tuple[Sheet, MovingSurface, int] | None:
+    """Apply all candidates that `edit` can combine; drop those that crowd and try again. None if nothing could be done."""
+    allowed = np.ones(count, dtype=np.bool_)
+    for _ in range(ATTEMPTS):
+        change = edit(allowed) if allowed.any() else None
+        if change is None:
+            return None
+        surface = MovingSurface(change.sheet.vertices, change.sheet.net.faces)
+        crowded = surface.find_crowded(change.sheet.vertices, change.faces, clearance)
+        if len(crowded) == 0:
+            return change.sheet, surface, len(np.unique(change.candidate))
+        guilty = change.sheet.net.corners_of(crowded)[change.sheet.net.faces[change.faces]].any(axis=1)
+        allowed[change.candidate[guilty]] = False
+    return None
+
+
+def _flip(sheet: Sheet, faces: Ints, begins: Ints, allowed: Flags) -> _Change | None:
+    net = sheet.net
+    partner = np.full(len(faces), -1, dtype=np.int64)
+    choose_flips(
+        sheet.vertices, net.faces, net.faces_around.start, net.faces_around.values,
+        net.neighbours.start, net.neighbours.values, faces, begins, allowed, partner,
+    )  # fmt: skip
+    chosen = np.flatnonzero(partner >= 0)
+    if len(chosen) == 0:
+        return None
+    first, second, at = faces[chosen], partner[chosen], begins[chosen]
+    u, v, tip = (net.faces[first, (at + turn) % 3] for turn in range(3))
+    opposite = net.faces[second].sum(axis=1) - u - v
+    flipped = net.faces.copy()
+    flipped[first] = np.column_stack((u, opposite, tip))
+    flipped[second] = np.column_stack((opposite, v, tip))
+    changed = replace(sheet, net=Connectivity.of(flipped, net.vertex_count))
+    return _Change(changed, np.concatenate((first, second)), np.concatenate((chosen, chosen)))
+
+
+def _collapse(sheet: Sheet, edges: Ints, allowed: Flags, *, strict: bool) -> _Change | None:
+    net = sheet.net
+    chosen = np.zeros(len(edges), dtype=np.bool_)
+    choose_collapses(
+        sheet.vertices, net.faces, net.faces_around.start, net.faces_around.values,
+        net.neighbours.start, net.neighbours.values, edges, allowed, strict, chosen,
+    )  # fmt: skip
+    number = np.flatnonzero(chosen)
+    if len(number) == 0:
+        return None
+    gone, kept = edges[number, 1], edges[number, 0]
+    merged = sheet.merged(gone, kept, 0.5 * (sheet.vertices[gone] + sheet.vertices[kept]))
+    # a vertex's stand-in tells where the kept one went
+    candidate_at = np.full(merged.net.vertex_count, -1, dtype=np.int64)
+    candidate_at[merged.stand_in[sheet.origin[kept]]] = number
+    candidate_of_face = candidate_at[merged.net.faces].max(axis=1)
+    faces = np.flatnonzero(candidate_of_face >= 0)
+    return _Change(merged, faces, candidate_of_face[faces])

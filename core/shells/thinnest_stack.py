@@ -1,0 +1,74 @@
+"""The thinnest stack of layers that keeps the gap: where every layer starts, and what it falls back to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import InputError
+from core.geometry.face_tree import FaceTree
+from core.mesh import Mesh
+from core.run import RunContext
+from core.schema.finding import MAX_PLACES, Finding, Place, Severity
+from core.shells.clearance import Clearance, MovingSurface
+from core.shells.inward_shift import inward_shift
+from core.shells.reconnect import collapse_edges, shortest_sides
+from core.shells.sheet import Sheet
+
+FIRST_PUSH = 1.1  # of the gap
+HARDER = 1.25  # where that is not enough
+ATTEMPTS = 40
+
+
+def thinnest_stack(skin: Mesh, names: tuple[str, ...], gap_mm: float, own_mm: float, run: RunContext) -> tuple[Sheet, ...]:
+    """One sheet per layer, outermost first, each just below the one before.
+
+    Where a crease compresses a sheet until its faces crowd each other, edges are collapsed; where it comes too near the
+    sheet outside, it is pushed harder.
+    Raises: InputError `shells.no_room` with the places, if that does not end.
+    """
+    stack = []
+    outer = Sheet.copy_of(skin.vertices, skin.faces)
+    for count, name in enumerate(names):
+        outer = _next_sheet(skin, outer, name, gap_mm, own_mm)
+        stack.append(outer)
+        run.advance((count + 1) / len(names), f"{name}: {len(outer.net.faces)} faces")
+    return tuple(stack)
+
+
+def _next_sheet(skin: Mesh, outer: Sheet, name: str, gap_mm: float, own_mm: float) -> Sheet:
+    outside = Clearance(gap_mm, own_mm, (FaceTree.of(outer.vertices, outer.net.faces),))
+    alone = Clearance(gap_mm, own_mm, ())
+    push = np.full(len(skin.vertices), FIRST_PUSH * gap_mm)  # by skin vertex: it survives collapses
+    sheet, placed, crowded = outer, outer, np.empty(0, dtype=np.int64)
+    for _ in range(ATTEMPTS):
+        shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
+        placed = sheet.at(sheet.vertices + push[sheet.origin, None] * shift)
+        everything = np.arange(len(sheet.net.faces))
+        surface = MovingSurface(placed.vertices, sheet.net.faces)
+        crowded = surface.find_crowded(placed.vertices, everything, outside)
+        if len(crowded) == 0:
+            return placed
+        folded = surface.find_crowded(placed.vertices, everything, alone)
+        near = sheet.net.corners_of(np.setdiff1d(crowded, folded))
+        push[sheet.origin[near]] *= HARDER
+        around = sheet.net.faces_of(sheet.net.corners_of(folded))
+        sheet = collapse_edges(sheet, shortest_sides(sheet, around))
+    raise _no_room(skin, placed, crowded, name, gap_mm)
+
+
+def _no_room(skin: Mesh, sheet: Sheet, crowded: NDArray[np.int64], name: str, gap_mm: float) -> InputError:
+    corners = sheet.origin[sheet.net.faces[crowded]]
+    places = tuple(
+        Place(mesh="skin", point_mm=(float(x), float(y), float(z)), vertices=tuple(int(v) for v in ids))
+        for ids, (x, y, z) in zip(corners[:MAX_PLACES], skin.vertices[corners[:MAX_PLACES]].mean(axis=1), strict=True)
+    )
+    told = f"there is no room for layer '{name}' at a gap of {gap_mm:.3g} mm"
+    return InputError(
+        "shells.no_room",
+        f"at {len(crowded)} faces {told}; ask for a smaller min_gap_mm or fewer layers",
+        findings=(Finding(code="shells.no_room", severity=Severity.ERROR, message=told, count=len(crowded), places=places),),
+        faces=len(crowded),
+        layer=name,
+        gap_mm=round(gap_mm, 6),
+    )
