@@ -8,6 +8,7 @@ import select
 import socket
 import time
 from collections import deque
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -41,6 +42,7 @@ class Child:
         self._report: Message | None = None
         self._outcome: Outcome | None = None
         self._broken: str | None = None
+        self._peak_bytes = 0  # of the family, as far as anybody looked
 
     def events(self, timeout_s: float = 0.0) -> list[Message]:
         """What the child has said since the last call; waits up to `timeout_s` for it to say something or to end.
@@ -58,14 +60,19 @@ class Child:
             self._listen(0.0)
             if self._ended and self._events is None and not self._waiting:
                 concluded = conclude(self._last, self._report, self.limits, self.scratch)
+                concluded = replace(concluded, peak_bytes=max(concluded.peak_bytes, self._peak_bytes))
                 if self._broken is not None:
-                    concluded = Outcome(None, protocol_broken(self._broken), (), concluded.exit_code, concluded.max_rss_bytes)
+                    concluded = replace(concluded, result=None, error=protocol_broken(self._broken), outputs=())
                 self._outcome = concluded
         return self._outcome
 
     def memory_bytes(self) -> int:
         """Resident memory now, of the child and all its descendants; 0 once it has ended."""
-        return 0 if self._ended else sum(map(resident_bytes, with_descendants(self.pid)))
+        if self._ended:
+            return 0
+        present = sum(map(resident_bytes, with_descendants(self.pid)))
+        self._peak_bytes = max(self._peak_bytes, present)
+        return present
 
     def kill(self) -> None:
         """SIGKILL to the child and everything it started; the outcome follows. Harmless when it has ended."""

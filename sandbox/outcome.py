@@ -26,7 +26,7 @@ class Outcome:
     error: IntegumentError | None
     outputs: tuple[dict[str, Any], ...]
     exit_code: int  # negative: the signal that ended it
-    max_rss_bytes: int
+    peak_bytes: int  # resident, of the child and its descendants together
 
 
 def conclude(last: Message | None, report: Message | None, limits: Limits, scratch: Path) -> Outcome:
@@ -34,12 +34,12 @@ def conclude(last: Message | None, report: Message | None, limits: Limits, scrat
     if report is None:
         lost = InternalError("nursery.lost", "the process that starts the work was lost, and the work with it")
         return Outcome(None, lost, (), -signal.SIGKILL, 0)
-    exit_code, max_rss_bytes = int(report["exit_code"]), int(report["max_rss_bytes"])
+    exit_code, peak_bytes = int(report["exit_code"]), int(report["max_rss_bytes"])
     if last is not None and last["kind"] == "result" and isinstance(last.get("result"), dict):
-        return Outcome(last["result"], None, (), exit_code, max_rss_bytes)
+        return Outcome(last["result"], None, (), exit_code, peak_bytes)
     if last is not None and last["kind"] == "error":
-        return Outcome(None, revive(last.get("error")), tuple(last.get("outputs") or ()), exit_code, max_rss_bytes)
-    return Outcome(None, _explain_end(exit_code, limits, scratch), (), exit_code, max_rss_bytes)
+        return Outcome(None, revive(last.get("error")), tuple(last.get("outputs") or ()), exit_code, peak_bytes)
+    return Outcome(None, _explain_end(exit_code, limits, scratch), (), exit_code, peak_bytes)
 
 
 def revive(description: object) -> IntegumentError:

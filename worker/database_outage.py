@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from sqlalchemy.exc import DBAPIError
+from core.errors import IntegumentError
 
 logger = logging.getLogger(__name__)
 
@@ -18,8 +18,13 @@ LONGEST_WAIT_S = 5.0
 T = TypeVar("T")
 
 
+def is_outage(error: IntegumentError) -> bool:
+    """Whether the same act may succeed a little later."""
+    return error.code in ("database.unavailable", "storage.full")
+
+
 def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
-    """Do `act`, again and again while the database fails; raises its last error after `patience_s`.
+    """Do `act`, again and again while the database is away; raises its last error after `patience_s`.
 
     `act` must be safe to repeat: writes under a fencing token are."""
     deadline = time.monotonic() + patience_s
@@ -27,9 +32,9 @@ def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
     while True:
         try:
             return act()
-        except DBAPIError as error:
-            if time.monotonic() + wait_s > deadline:
+        except IntegumentError as error:
+            if not is_outage(error) or time.monotonic() + wait_s > deadline:
                 raise
-            logger.warning("the database does not answer, trying again in %.1f s: %s", wait_s, error)
+            logger.warning("%s; trying again in %.1f s", error, wait_s)
         time.sleep(wait_s)
         wait_s = min(2 * wait_s, LONGEST_WAIT_S)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import logging
 import time
 
-from sqlalchemy.exc import DBAPIError
-
+from core.errors import IntegumentError
 from store.job import Job
-from worker.database_outage import sit_out
+from worker.database_outage import is_outage, sit_out
 from worker.progress import Progress
 from worker.workshop import Workshop
 
@@ -48,7 +47,9 @@ class Lease:
         if silent_s >= self._workshop.settings.heartbeat_s or (silent_s >= NEWS_S and self._progress.news()):
             try:
                 self._renew()
-            except DBAPIError as error:
+            except IntegumentError as error:
+                if not is_outage(error):
+                    raise
                 logger.warning("job %s: cannot renew the lease now: %s", self._job.id, error)
 
     def tell_all(self) -> None:

@@ -54,7 +54,8 @@ class Progress:
 
     def enter(self, phase: str) -> None:
         """A phase begins; the one before is over."""
-        if phase == self._phase or (phase not in self._timings and len(self._timings) >= MAX_PHASES):
+        known = {*self._timings, self._phase}
+        if phase == self._phase or (phase not in known and len(known) >= MAX_PHASES):
             return
         self._stop_clock()
         self._phase = phase

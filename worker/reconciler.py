@@ -6,6 +6,7 @@ import logging
 import threading
 import time
 
+from core.errors import IntegumentError
 from worker.job_folder import sweep_job_folders
 from worker.liveness import Liveness
 from worker.workshop import Workshop
@@ -29,6 +30,10 @@ class Reconciler:
     def start(self) -> None:
         """Begin with a look at once."""
         self._thread.start()
+
+    def let_go(self) -> None:
+        """Look no more; what the closing worker hands back it announces itself."""
+        self._stop.set()
 
     def stop(self) -> None:
         """Returns when the present look is over."""
@@ -60,6 +65,8 @@ class Reconciler:
                 if time.monotonic() - self._swept_at >= SWEEP_S:
                     self.sweep()
                     self._swept_at = time.monotonic()
+            except IntegumentError as error:
+                logger.warning("the reconciler waits: %s", error)
             except Exception:
                 logger.exception("the reconciler stumbled and goes on")
             if self._stop.wait(self._workshop.settings.reconcile_s):

@@ -33,6 +33,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
 
     def on_stop(**_: Any) -> None:
         workshop.closing.begin()
+        reconciler.let_go()
 
     worker_ready.connect(on_ready, weak=False)
     worker_shutting_down.connect(on_stop, weak=False)

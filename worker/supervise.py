@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ from core.errors import IntegumentError, InternalError
 from sandbox.outcome import Outcome, log_tail
 from sandbox.overrun import find_overrun
 from store.job import Job, JobFailure, JobOutput
-from worker.child_result import read_outputs, read_result, store_outputs
+from worker.child_result import ChildResult, ListedOutput, read_outputs, read_result, store_outputs
 from worker.database_outage import sit_out
 from worker.job_folder import job_folder
 from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
@@ -53,17 +53,20 @@ class _Attempt:
 
     def run(self, folder: Path) -> None:
         """Raises LeaseLostError, DismissedError, ToldToStopError; the child is dead whenever this ends."""
-        failed_outputs: tuple[dict[str, Any], ...] = ()
+        left: tuple[dict[str, Any], ...] = ()
         try:
             outcome = self._work(folder)
-            self._peak_bytes = outcome.max_rss_bytes
-            failed_outputs = outcome.outputs
+            self._peak_bytes = outcome.peak_bytes
+            left = outcome.outputs
             if outcome.error is not None:
                 raise outcome.error
-            self._finish(outcome.result or {}, folder)
+            result = read_result(outcome.result or {})
+            outputs = self._store(result.outputs, folder)
         except IntegumentError as error:
             self._log(error, folder)
-            self._fail(error, failed_outputs, folder)
+            self._fail(error, left, folder)
+        else:
+            self._finish(result, outputs)
 
     def _work(self, folder: Path) -> Outcome:
         """The child from spawn to end; its error is replaced by the limit it was killed for."""
@@ -77,7 +80,7 @@ class _Attempt:
                 self._lease.beat()
                 if overrun is None and (overrun := find_overrun(child)) is not None:
                     child.kill()
-        return outcome if overrun is None else Outcome(None, overrun, (), outcome.exit_code, outcome.max_rss_bytes)
+        return outcome if overrun is None else Outcome(None, overrun, (), outcome.exit_code, outcome.peak_bytes)
 
     def _await_nursery(self) -> None:
         """The lease must be kept while the nursery loads, too."""
@@ -104,10 +107,11 @@ class _Attempt:
             }
         return {"process": self._job.process, "inputs": dict(self._job.inputs), "meshes": meshes, "out_dir": str(out)}
 
-    def _finish(self, told: dict[str, Any], folder: Path) -> None:
-        result = read_result(told)
+    def _store(self, listed: Iterable[ListedOutput], folder: Path) -> dict[str, JobOutput]:
         self._progress.enter("store")
-        outputs = self._keep_beating(lambda: store_outputs(result.outputs, folder, self._workshop.blobs))
+        return self._keep_beating(lambda: store_outputs(listed, folder, self._workshop.blobs))
+
+    def _finish(self, result: ChildResult, outputs: dict[str, JobOutput]) -> None:
         self._lease.tell_all()
         kept = sit_out(
             lambda: self._workshop.jobs.finish(
@@ -122,11 +126,11 @@ class _Attempt:
         )
         logger.info("job %s: %s", self._job.id, result.verdict if kept else "finished, but nobody wants it any more")
 
-    def _fail(self, error: IntegumentError, listed: tuple[dict[str, Any], ...], folder: Path) -> None:
+    def _fail(self, error: IntegumentError, left: tuple[dict[str, Any], ...], folder: Path) -> None:
         """Write the failure down, with the report the child may have left; queue the job again if that may help."""
         outputs: dict[str, JobOutput] = {}
         try:
-            outputs = self._keep_beating(lambda: store_outputs(read_outputs(listed), folder, self._workshop.blobs))
+            outputs = self._store(read_outputs(left), folder)
         except IntegumentError as second:
             logger.error("job %s: the report of its failure cannot be kept: %s", self._job.id, second)
         self._lease.tell_all()

@@ -23,7 +23,7 @@ from store.settings import Settings
 from tests.valkey import ValkeyServer
 
 ROOT = Path(__file__).parents[2]
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 class Service:

@@ -144,7 +144,7 @@ OUTPUT = {"name": "report", "path": "out/report.json", "media_type": "applicatio
         {"outputs": [OUTPUT | {"path": "../../../integument.sqlite3"}]},
         {"outputs": [OUTPUT | {"path": "out"}]},
         {"outputs": [OUTPUT | {"path": "out/\0"}]},
-        {"outputs": [OUTPUT | {"path": "child.log", "name": "Report"}]},
+        {"outputs": [OUTPUT | {"path": "child.log", "name": "re/port"}]},
         {"outputs": [OUTPUT | {"path": "child.log", "file_name": "../x"}]},
         {"outputs": [OUTPUT | {"path": "child.log", "media_type": "text/html\r\nSet-Cookie: a=b"}]},
         {"outputs": [OUTPUT | {"path": "child.log"}] * 2},
@@ -232,3 +232,11 @@ def test_no_message_kills_the_worker(running: Service) -> None:
 )
 def test_no_argument_kills_the_worker(running: Service, arguments: dict[str, Any]) -> None:
     running.doorbell._app.send_task("jobs.run", kwargs=arguments, queue=running.settings.queue, ignore_result=True)
+
+
+def test_a_free_slot_is_used_at_once(running: Service) -> None:
+    """Without the bell of worker.pool Celery looks once a second whether a thread is free: 20 jobs, two at a time, 10 s."""
+    started = time.monotonic()
+    jobs = [running.submit() for _ in range(20)]
+    assert {running.wait(job).status for job in jobs} == {JobStatus.SUCCESSFUL}
+    assert time.monotonic() - started < 8

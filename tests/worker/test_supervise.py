@@ -1,0 +1,166 @@
+"""One attempt without Celery: a real nursery, a real job table, and no broker at all."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from store.job import Job, JobStatus, MeshInput
+from store.settings import Settings
+from tests.sandbox.ending import wait_for_end
+from tests.valkey import ValkeyServer
+from tests.worker.conftest import Service, make_settings
+from worker.closing import Closing
+from worker.supervise import supervise
+from worker.task import run_job
+from worker.workshop import Workshop
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workshop]:
+    nowhere = ValkeyServer(tmp_path_factory.mktemp("nowhere"))
+    workshop = Workshop.open(make_settings(tmp_path_factory.mktemp("data"), nowhere), target="tests.worker.targets:run")
+    workshop.db.migrate()
+    workshop.nursery.start()
+    yield workshop
+    workshop.close()
+
+
+@pytest.fixture
+def workshop(warm: Workshop) -> Workshop:
+    return replace(warm, closing=Closing(drain_s=0))
+
+
+@pytest.fixture
+def service(warm: Workshop) -> Iterator[Service]:
+    service = Service(warm.settings)
+    service.log_path.touch()
+    yield service
+    service.close()
+
+
+def claim(workshop: Workshop, act: str, **inputs: object) -> Job:
+    job = workshop.jobs.create("validate", {"act": act, **inputs})
+    claimed = workshop.jobs.claim(job.id, 1, "me", 30)
+    assert claimed is not None
+    return claimed
+
+
+def in_background(workshop: Workshop, job: Job) -> threading.Thread:
+    thread = threading.Thread(target=supervise, args=(workshop, job))
+    thread.start()
+    return thread
+
+
+def test_a_job_ends_without_any_broker(workshop: Workshop) -> None:
+    job = claim(workshop, "write")
+    supervise(workshop, job)
+    assert workshop.jobs.get(job.id).status is JobStatus.SUCCESSFUL
+    assert list((workshop.settings.scratch_dir / "jobs").iterdir()) == []
+
+
+def test_who_lost_the_lease_ends_the_child_and_writes_nothing(workshop: Workshop, service: Service) -> None:
+    job = claim(workshop, "sleep", seconds=60)
+    thread = in_background(workshop, job)
+    child = service.wait_for_child(job)
+    [lost] = workshop.jobs.expire_leases(datetime.now(UTC) + timedelta(days=1))
+    thread.join(10)
+    assert wait_for_end([child], 0.0) == []
+    assert workshop.jobs.get(job.id) == lost
+    assert (lost.status, lost.attempt) == (JobStatus.ACCEPTED, 2)
+
+
+def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> None:
+    job = claim(workshop, "sleep", seconds=60)
+    thread = in_background(workshop, job)
+    child = service.wait_for_child(job)
+    with sqlite3.connect(workshop.settings.data_dir / "integument.sqlite3") as database:
+        database.execute("PRAGMA foreign_keys=ON")
+        database.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
+    thread.join(10)
+    assert wait_for_end([child], 0.0) == []
+
+
+def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
+    mesh = MeshInput("/v1/meshes/1", "skin", "0" * 64, "model/stl", "skin.stl")
+    job = workshop.jobs.create("validate", {}, mesh_inputs=[mesh])
+    run_job(workshop, job.id, 1)
+    failed = workshop.jobs.get(job.id)
+    assert failed.failure is not None
+    assert failed.failure.code == "blob.missing"
+
+
+def test_an_error_of_the_worker_itself_fails_the_job_and_goes_no_further(workshop: Workshop, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    broken = replace(workshop, settings=workshop.settings.model_copy(update={"data_dir": tmp_path / "file"}))
+    job = workshop.jobs.create("validate", {"act": "write"})
+    run_job(broken, job.id, 1)
+    failed = workshop.jobs.get(job.id)
+    assert failed.failure is not None
+    assert failed.failure.code == "worker.raised"
+
+
+def test_a_worker_that_stops_claims_nothing(workshop: Workshop) -> None:
+    job = workshop.jobs.create("validate", {"act": "write"})
+    workshop.closing.begin()
+    run_job(workshop, job.id, 1)
+    assert workshop.jobs.get(job.id).status is JobStatus.ACCEPTED
+    assert list(workshop.closing.left) == [(job.id, 1)]
+
+
+def test_a_job_can_be_dismissed_and_keeps_its_lease_while_the_nursery_loads(
+    settings: Settings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "slow_processes.py").write_text("import time\ntime.sleep(60)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    workshop = Workshop.open(settings, target="slow_processes:run")
+    workshop.db.migrate()
+    job = claim(workshop, "write")
+    thread = in_background(workshop, job)
+    time.sleep(settings.heartbeat_s + 0.3)
+    held = workshop.jobs.get(job.id)
+    assert job.lease_until is not None
+    assert held.lease_until is not None
+    assert held.lease_until < job.lease_until  # claimed for 30 s, renewed for lease_s
+    asked = time.monotonic()
+    workshop.jobs.dismiss(job.id)
+    thread.join(10)
+    assert time.monotonic() - asked < 2
+    assert workshop.jobs.get(job.id).status is JobStatus.DISMISSED
+    workshop.close()
+
+
+def test_a_nursery_that_cannot_load_fails_the_job(settings: Settings) -> None:
+    workshop = Workshop.open(settings, target="no_such_module:run")
+    workshop.db.migrate()
+    job = claim(workshop, "write")
+    supervise(workshop, job)
+    failed = workshop.jobs.get(job.id)
+    assert failed.failure is not None
+    assert failed.failure.code == "nursery.preload_failed"
+    workshop.close()
+
+
+def test_a_database_that_is_away_for_a_while_costs_nothing(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("store.database.BUSY_TIMEOUT_S", 0.1)
+    workshop = Workshop.open(settings, target="tests.worker.targets:run")
+    workshop.db.migrate()
+    job = claim(workshop, "sleep", seconds=0.5)
+    with sqlite3.connect(settings.data_dir / "integument.sqlite3", isolation_level=None) as other:
+        thread = in_background(workshop, job)
+        other.execute("BEGIN EXCLUSIVE")
+        time.sleep(3)  # several heartbeats, and the end of the child
+        assert thread.is_alive()
+        other.execute("ROLLBACK")
+    other.close()
+    thread.join(15)
+    done = workshop.jobs.get(job.id)
+    assert (done.status, done.attempt) == (JobStatus.SUCCESSFUL, 1)
+    workshop.close()
