@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import signal
 import sys
 from collections.abc import Callable
 from types import FrameType
@@ -31,7 +32,7 @@ class DrainingServer(uvicorn.Server):
 
 
 def main() -> int:
-    """0 after a clean stop, 2 if the settings are at fault."""
+    """0 after a clean stop, 2 if the settings are at fault; SystemExit 3 (uvicorn's) if it cannot start."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s %(message)s")
     try:
         settings = Settings()
@@ -52,9 +53,10 @@ def main() -> int:
         proxy_headers=False,
         lifespan="on",
     )
-    server = DrainingServer(config, app.state.services.drain.begin)
-    server.run()
-    return 0 if server.started else 1
+    for number in (signal.SIGINT, signal.SIGTERM):  # uvicorn raises the signal again once it has stopped: that is no failure
+        signal.signal(number, lambda _number, _frame: sys.exit(0))
+    DrainingServer(config, app.state.services.drain.begin).run()
+    return 0
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 
+from api.body_limit import BodyLimit
 from api.links import BASE
 from api.openapi import install_openapi
 from api.problem_handlers import install_problem_handlers
@@ -41,7 +42,10 @@ def create_app(settings: Settings) -> FastAPI:
         redirect_slashes=False,
         separate_input_output_schemas=False,
         lifespan=_lifespan,
-        middleware=[Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings))],
+        middleware=[
+            Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
+            Middleware(BodyLimit, except_path=f"{BASE}/meshes"),
+        ],
     )
     app.state.services = services
     install_problem_handlers(app)

@@ -80,8 +80,9 @@ def _rewrite(operation: dict[str, Any]) -> None:
     contents = [operation.get("requestBody", {}).get("content", {})]
     for status, response in operation["responses"].items():
         content = response.get("content", {})
-        if int(status) >= 400 and "application/json" in content:
-            content[MEDIA_TYPE] = content.pop("application/json")
+        if int(status) >= 400:  # the framework gives problems the media type of the route's answers
+            (media,) = content.values()
+            response["content"] = content = {MEDIA_TYPE: media}
         contents.append(content)
     for content in contents:
         for media in content.values():

@@ -21,7 +21,7 @@ router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
 
 RETRY_MS = 3000
 DONE = "done"
-STILL_THERE_S = 5.0  # how often a silent stream makes sure that its job was not removed
+STILL_THERE_S = 2.0  # how often a silent stream makes sure that its job was not removed
 BATCH = 500
 LARGEST_SEQ = 2**31 - 1
 

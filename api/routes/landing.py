@@ -19,6 +19,7 @@ CONFORMANCE_CLASSES = tuple(
 )
 
 
+@router.get("/", include_in_schema=False)  # OWSLib asks for the base with a slash
 @router.get("", operation_id="getLandingPage", responses=problems())
 def get_landing_page(request: Request) -> LandingPage:
     """Where everything is."""

@@ -143,12 +143,15 @@ async def get_mesh_file(
     """The mesh as a file."""
     record = await run_in_threadpool(services.meshes.get, mesh_id)
     if file_format == "original":
-        path = services.blobs.path(record.sha256)
-        return send_download(
-            request, Download(path, record.size_bytes, record.sha256, "application/octet-stream", record.file_name)
-        )
+        return send_download(request, await run_in_threadpool(_original, services, record))
     download = await anyio.to_thread.run_sync(_export, services, record, file_format, folder, limiter=services.intake_slots)
     return send_download(request, download)
+
+
+def _original(services: Services, record: MeshRecord) -> Download:
+    services.blobs.open(record.sha256).close()  # that it is there must be known before the answer begins
+    path = services.blobs.path(record.sha256)
+    return Download(path, record.size_bytes, record.sha256, "application/octet-stream", record.file_name)
 
 
 def _export(services: Services, record: MeshRecord, file_format: str, folder: Path) -> Download:

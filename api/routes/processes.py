@@ -25,8 +25,6 @@ from store.job import Job
 
 router = APIRouter(prefix="/processes", tags=["Processes"])
 
-MAX_BODY_BYTES = 1024 * 1024
-
 
 @router.get("", operation_id="listProcesses", response_model_exclude_none=True, responses=problems())
 def get_processes(request: Request) -> ProcessList:
@@ -46,7 +44,6 @@ def get_process(process_id: str, request: Request) -> Process:
     status_code=201,
     response_model_exclude_none=True,
     responses=problems(404, 409, 413, 415, 422),
-    max_body_size=MAX_BODY_BYTES,
 )
 async def execute_process(
     process_id: str,

@@ -102,6 +102,7 @@ def _about(job: Job) -> dict[str, Any]:
 
 
 def _download(services: Services, output: JobOutput, *, inline: bool = False) -> Download:
+    services.blobs.open(output.sha256).close()  # that it is there must be known before the answer begins
     return Download(
         path=services.blobs.path(output.sha256),
         size=output.size,

@@ -1,0 +1,52 @@
+"""No route but the upload takes a large body."""
+
+from __future__ import annotations
+
+import anyio
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+MAX_BODY_BYTES = 1024 * 1024
+DRAIN_S = 5.0
+
+
+class BodyLimit:
+    """ASGI middleware: reading a body beyond the limit raises HTTPException 413 where it is read.
+
+    What still comes is read and forgotten for a while: a client that is still sending would not see the answer."""
+
+    def __init__(self, app: ASGIApp, except_path: str) -> None:
+        """`except_path` counts its bytes itself."""
+        self.app = app
+        self.except_path = except_path
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["path"] == self.except_path:
+            await self.app(scope, receive, send)
+            return
+        declared = Headers(scope=scope).get("content-length", "0")
+        size = 0
+
+        async def limited() -> Message:
+            nonlocal size
+            if not declared.isdecimal() or int(declared[:18]) > MAX_BODY_BYTES:
+                await _drain(receive)
+                raise HTTPException(413)
+            message = await receive()
+            size += len(message.get("body", b""))
+            if size > MAX_BODY_BYTES:
+                if message.get("more_body", False):
+                    await _drain(receive)
+                raise HTTPException(413)
+            return message
+
+        await self.app(scope, limited, send)
+
+
+async def _drain(receive: Receive) -> None:
+    with anyio.move_on_after(DRAIN_S):
+        more = True
+        while more:
+            message = await receive()
+            more = bool(message.get("more_body", False))
