@@ -28,13 +28,16 @@ class JobStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class MeshInput:
-    """One mesh a job reads: the link in its inputs and the blob it was bound to."""
+    """One mesh a job reads: the link in its inputs and the blob it was bound to.
+
+    `source_sha256` is of the file the user sent, if the blob is our canonical form of it: what `sha256sum` tells him."""
 
     href: str
     name: str
     sha256: str
     media_type: str
     file_name: str
+    source_sha256: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,6 +58,7 @@ class Jobs(Claims, Reconciliation):
                         sha256=mesh.sha256,
                         media_type=mesh.media_type,
                         file_name=mesh.file_name,
+                        source_sha256=mesh.source_sha256,
                     )
                     for mesh in {mesh.href: mesh for mesh in mesh_inputs}.values()
                 ],

@@ -44,7 +44,7 @@ class MeshInputs:
 
     def _upload(self, href: str, mesh_id: str) -> MeshInput:
         record = self._meshes.get(mesh_id)
-        return MeshInput(href, record.name, record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name)
+        return MeshInput(href, record.name, record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name, record.sha256)
 
     def _result(self, href: str, job_id: str, name: str) -> MeshInput:
         job = self._jobs.get(job_id)

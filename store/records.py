@@ -105,6 +105,7 @@ class JobInputRow(Record):
     sha256: Mapped[str] = mapped_column(Digest)
     media_type: Mapped[str] = mapped_column(String(100))
     file_name: Mapped[str] = mapped_column(Text)
+    source_sha256: Mapped[str | None] = mapped_column(Digest)  # tells where it came from; that file may be gone
 
 
 class JobOutputRow(Record):

@@ -118,7 +118,8 @@ def snapshot(row: JobRow) -> Job:
         process=row.process,
         inputs=row.inputs,
         mesh_inputs={
-            mesh.href: MeshInput(mesh.href, mesh.name, mesh.sha256, mesh.media_type, mesh.file_name) for mesh in row.mesh_inputs
+            mesh.href: MeshInput(mesh.href, mesh.name, mesh.sha256, mesh.media_type, mesh.file_name, mesh.source_sha256)
+            for mesh in row.mesh_inputs
         },
         status=JobStatus(row.status),
         phase=row.phase,

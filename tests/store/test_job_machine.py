@@ -201,8 +201,8 @@ FINISHED = ("successful", "failed", "dismissed")
 def test_any_order_of_calls_keeps_the_table_true(db: Database) -> None:
     machine = type("Machine", (JobMachine,), {"db": db})
     checks = settings(
-        max_examples=25,
-        stateful_step_count=30,
+        max_examples=15,
+        stateful_step_count=25,
         deadline=None,
         derandomize=True,
         database=None,

@@ -14,7 +14,7 @@ from store.job import Job, JobStatus, MeshInput
 from store.jobs import Jobs
 from tests.store.samples import REFUSED, claimed, finish
 
-SKIN = MeshInput("/v1/meshes/1", "skin", "c" * 64, "model/stl", "skin.stl")
+SKIN = MeshInput("/v1/meshes/1", "skin", "c" * 64, "model/stl", "skin.stl", "d" * 64)
 
 
 def test_a_created_job_comes_back_as_it_was_sent(jobs: Jobs) -> None:

@@ -86,6 +86,7 @@ def test_a_link_to_an_upload_is_bound_to_its_canonical_bytes(meshes: Meshes, mes
     for href in (f"/v1/meshes/{record.id}", f"http://127.0.0.1:8000/v1/meshes/{record.id}"):
         mesh = mesh_inputs.resolve(href)
         assert (mesh.href, mesh.name, mesh.sha256) == (href, "skin", record.canonical_sha256)
+        assert mesh.source_sha256 == record.sha256
         assert mesh.media_type == CANONICAL_MEDIA_TYPE
 
 
@@ -168,6 +169,7 @@ def test_every_column_that_names_a_blob_is_looked_at(
         for column in table.columns
         if isinstance(column.type, String) and column.type.length == 64 and column.name.endswith("sha256")
     }
+    columns.remove("job_inputs.source_sha256")  # says where an input came from; the job does not read it
     assert columns == {"meshes.sha256", "meshes.canonical_sha256", "job_inputs.sha256", "job_outputs.sha256"}
     mesh = meshes.create(upload(tmp_path))
     result = blobs.put_bytes(b"result")

@@ -91,6 +91,7 @@ def upgrade() -> None:
         sa.Column("sha256", sa.String(length=64), nullable=False),
         sa.Column("media_type", sa.String(length=100), nullable=False),
         sa.Column("file_name", sa.Text(), nullable=False),
+        sa.Column("source_sha256", sa.String(length=64), nullable=True),
         sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], name=op.f("fk_job_inputs_job_id"), ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("job_id", "href", name=op.f("pk_job_inputs")),
     )
