@@ -11,6 +11,8 @@ from core.geometry.face_tree import FaceTree
 Ints = NDArray[np.int64]
 Points = NDArray[np.float64]
 
+POINTS_AT_ONCE = 4096  # bounds the memory for candidates
+
 
 def find_crossings(tree: FaceTree, points: Points) -> tuple[Ints, Ints]:
     """Faces crossed by the rays that start at points (N, 3) mm and run towards +x.
@@ -21,6 +23,16 @@ def find_crossings(tree: FaceTree, points: Points) -> tuple[Ints, Ints]:
 
     Source: Edelsbrunner & Mücke 1990, simulation of simplicity.
     """
+    parts = [
+        _find_crossings(tree, points[start : start + POINTS_AT_ONCE], start) for start in range(0, len(points), POINTS_AT_ONCE)
+    ]
+    if not parts:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    return np.concatenate([point for point, _ in parts]), np.concatenate([face for _, face in parts])
+
+
+def _find_crossings(tree: FaceTree, points: Points, offset: int) -> tuple[Ints, Ints]:
+    """`find_crossings` for a few points; `offset` is the number of the first."""
     point, face = _find_candidates(tree, points)
     p = points[point]
     corners = tree.corners[face]
@@ -30,7 +42,7 @@ def find_crossings(tree: FaceTree, points: Points) -> tuple[Ints, Ints]:
     # seen from +x the face turns counter-clockwise if turn > 0; the point is behind the face if it sees it turn the other way
     side = orient3d(corners[:, 0], corners[:, 1], corners[:, 2], p) * turn
     ahead = side < 0
-    return point[ahead], tree.face[face[ahead]]
+    return point[ahead] + offset, tree.face[face[ahead]]
 
 
 def is_inside(tree: FaceTree, points: Points) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from core.geometry.disc_bounds import between_discs, disc_bounds
 from core.geometry.face_tree import FaceTree
 from core.geometry.triangle_distance import closest_on_triangle, nearer
 from core.mesh import Faces, Mesh, Vertices
@@ -57,7 +58,8 @@ def smallest_gap(a: Mesh, b: Mesh) -> tuple[float, tuple[float, float, float]]:
 def smallest_gap_between(a: FaceTree, b: FaceTree) -> Gap:
     """`smallest_gap` on trees that are there already, with the closest faces."""
     point, found = np.empty(3), np.zeros(2, dtype=np.int64)
-    squared: float = _find_gap(a.boxes, a.corners, a.leaves, b.boxes, b.corners, b.leaves, point, found)
+    discs = disc_bounds(a), disc_bounds(b)
+    squared: float = _find_gap(a.boxes, discs[0], a.corners, a.leaves, b.boxes, discs[1], b.corners, b.leaves, point, found)
     place = (float(point[0]), float(point[1]), float(point[2]))
     return Gap(math.sqrt(squared), place, int(a.face[found[0]]), int(b.face[found[1]]))
 
@@ -107,13 +109,19 @@ def _find_closest(
 
 
 @njit(cache=True, nogil=True)
-def _between_boxes(boxes_a: Floats, node_a: int, boxes_b: Floats, node_b: int) -> float:
-    """Squared distance of two nodes' boxes."""
+def _between_nodes(
+    boxes_a: Floats, discs_a: Floats, node_a: int, boxes_b: Floats, discs_b: Floats, node_b: int, best: float
+) -> float:
+    """Lower bound of the squared distance of two nodes' faces; no effort beyond `best`."""
     total = 0.0
     for axis in range(3):
         apart = max(boxes_a[node_a, axis] - boxes_b[node_b, axis + 3], boxes_b[node_b, axis] - boxes_a[node_a, axis + 3])
         if apart > 0.0:
             total += apart * apart
+    if total < best:
+        total = max(total, between_discs(discs_a, node_a, discs_b, node_b))
+    if total < best:
+        total = max(total, between_discs(discs_b, node_b, discs_a, node_a))
     return total
 
 
@@ -128,9 +136,11 @@ def _size(boxes: Floats, node: int) -> float:
 @njit(cache=True, nogil=True)
 def _find_gap(
     boxes_a: Floats,
+    discs_a: Floats,
     corners_a: Floats,
     leaves_a: int,
     boxes_b: Floats,
+    discs_b: Floats,
     corners_b: Floats,
     leaves_b: int,
     point: Floats,
@@ -160,8 +170,8 @@ def _find_gap(
             near_a, near_b, far_a, far_b = 2 * a + 1, b, 2 * a + 2, b
         else:
             near_a, near_b, far_a, far_b = a, 2 * b + 1, a, 2 * b + 2
-        to_near = _between_boxes(boxes_a, near_a, boxes_b, near_b)
-        to_far = _between_boxes(boxes_a, far_a, boxes_b, far_b)
+        to_near = _between_nodes(boxes_a, discs_a, near_a, boxes_b, discs_b, near_b, best)
+        to_far = _between_nodes(boxes_a, discs_a, far_a, boxes_b, discs_b, far_b, best)
         if to_far < to_near:
             near_a, near_b, far_a, far_b, to_near, to_far = far_a, far_b, near_a, near_b, to_far, to_near
         stack_a[top], stack_b[top], bound[top] = far_a, far_b, to_far

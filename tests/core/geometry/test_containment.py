@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from core.geometry import containment
 from core.geometry.containment import find_crossings, is_inside
 from core.geometry.distance import closest_points
 from core.geometry.face_tree import FaceTree
@@ -52,3 +53,11 @@ def test_crossed_faces_are_named():
     point, face = find_crossings(tree_of(cube()), points)
     at = cube().triangles()[face].mean(axis=1)[:, 0]
     assert sorted(zip(point.tolist(), at.tolist(), strict=True)) == [(0, 0.0), (0, 1.0), (1, 1.0), (2, 1.0)]
+
+
+def test_many_points_are_asked_in_portions(monkeypatch):
+    points = np.random.default_rng(3).uniform(-2, 2, (50, 3))
+    at_once = [numbers.tolist() for numbers in find_crossings(tree_of(sphere()), points)]
+    monkeypatch.setattr(containment, "POINTS_AT_ONCE", 7)
+    assert [numbers.tolist() for numbers in find_crossings(tree_of(sphere()), points)] == at_once
+    assert is_inside(tree_of(sphere()), np.empty((0, 3))).tolist() == []

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.geometry import distance, face_tree, triangle_distance
+from core.geometry import disc_bounds, distance, face_tree, triangle_distance
 from core.geometry.distance import closest_points, closest_points_in, smallest_gap, smallest_gap_between
 from core.geometry.face_tree import FaceTree
 from core.mesh import Mesh
@@ -137,9 +137,15 @@ KERNELS = [
     triangle_distance.pierce,
     triangle_distance.nearer,
     face_tree._sort_by_median_cuts,
+    disc_bounds._set_axis,
+    disc_bounds._enclose,
+    disc_bounds._settle,
+    disc_bounds._fill_leaves,
+    disc_bounds._fill_parents,
+    disc_bounds.between_discs,
     distance._to_box,
     distance._find_closest,
-    distance._between_boxes,
+    distance._between_nodes,
     distance._size,
     distance._find_gap,
 ]
@@ -155,7 +161,7 @@ def test_plain_python_gives_the_same_bits(meshes, monkeypatch):
 
     compiled = measure()
     for kernel in KERNELS:
-        for module in (triangle_distance, face_tree, distance):
+        for module in (triangle_distance, face_tree, disc_bounds, distance):
             if hasattr(module, kernel.__name__):
                 monkeypatch.setattr(module, kernel.__name__, kernel.py_func)
     assert measure() == compiled

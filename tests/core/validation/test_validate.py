@@ -1,3 +1,5 @@
+import time
+
 import numpy as np
 import pytest
 
@@ -199,6 +201,16 @@ def test_the_body_is_clean():
     assert (report.vertices, report.faces, report.components, report.genus) == (13380, 26756, 1, 0)
     assert report.oriented_outward is True
     assert 50e6 < report.volume_mm3 < 60e6  # a body of fifty-odd litres
+
+
+def test_full_resolution_takes_less_than_two_seconds_on_one_core():
+    validate({"a": sphere(), "b": sphere(2.0)})  # kernels compile before the clock starts
+    mesh = body(1)
+    started = time.process_time()
+    found = validate({"skin": mesh})
+    assert time.process_time() - started < 2.0
+    assert found.verdict == "simulation_ready"
+    assert found.meshes["skin"].faces == 107024
 
 
 def test_the_body_moved_along_its_normals_runs_through_itself():
