@@ -61,7 +61,7 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     reach = measure_reach(skin.vertices, normals, largest_mm=2.0 * float(targets.max()) / REACH_SHARE)
     usable = limit_slope(REACH_SHARE * reach, skin.vertices, neighbours, SLOPE)
     allowed = np.minimum(targets, usable)
-    _require_reachable(inputs, targets, usable)
+    _require_reachable(skin, inputs, targets, usable)
     if inputs.thin_policy == "fail":
         _require_thick_enough(skin, inputs, targets, usable)
 
@@ -110,14 +110,23 @@ def _split(layers: int) -> float:
     return max(SPLIT, float(OUTERMOST_SHARE ** (1 / max(layers - 1, 1))))
 
 
-def _require_reachable(inputs: ShellsInputs, targets: Floats, usable: Floats) -> None:
-    """A layer that can be kept nowhere is a mistake in the request, not thin anatomy."""
+def _require_reachable(skin: Mesh, inputs: ShellsInputs, targets: Floats, usable: Floats) -> None:
+    """A layer that can be kept nowhere is a mistake in the request, not thin anatomy; the place with most room is named."""
     for row, layer in enumerate(inputs.layers):
         if not (usable >= (1 - ON_TARGET) * targets[row]).any():
             deepest = float(usable.max())
             raise InputError(
                 "layer.deeper_than_reach",
                 f"layer '{layer.name}' at {layer.depth_mm:g} mm lies deeper than the body allows anywhere: {deepest:.3g} mm",
+                findings=(
+                    Finding(
+                        code="layer.deeper_than_reach",
+                        severity=Severity.ERROR,
+                        message=f"the most room for layer '{layer.name}' is {deepest:.3g} mm, here",
+                        count=len(skin.faces),
+                        places=_places(skin, np.flatnonzero((skin.faces == usable.argmax()).any(axis=1))),
+                    ),
+                ),
                 layer=layer.name,
                 depth_mm=layer.depth_mm,
                 deepest_mm=round(deepest, 4),

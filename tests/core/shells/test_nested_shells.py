@@ -92,6 +92,7 @@ def test_plate_thinner_than_the_deepest_layer_thins_out_instead_of_breaking():
         create_shells(skin, wanted())
     assert refused.value.code == "layer.deeper_than_reach"
     assert refused.value.facts["deepest_mm"] < 1.5
+    assert all(place.faces for place in refused.value.findings[0].places)
 
 
 def test_six_layers_on_a_sphere():
