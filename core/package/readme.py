@@ -22,7 +22,7 @@ def readme_text(tissues: Sequence[Tissue], report: Report) -> str:
             _section("Python", _PYTHON, outer),
             _section("SimNIBS and gmsh", _GMSH, outer),
             _section("OpenMEEG", _OPENMEEG, outer),
-            _section("MNE-Python", _MNE + _mne_layers(len(tissues), outer, inner), outer),
+            _section("MNE-Python", dedent(_MNE).rstrip() + _mne_layers(len(tissues), outer, inner), outer),
             _section("HFSS and other CAD programs", _HFSS, outer),
         ]
     )
@@ -65,19 +65,18 @@ def _section(title: str, text: str, outer: str) -> str:
 
 
 def _mne_layers(count: int, outer: str, inner: str) -> str:
-    if count in MNE_LAYERS:
-        return f"\nIts BEM takes one or three nested surfaces; this package has {count}, from {outer} to {inner}.\n"
-    return f"\nIts BEM takes one or three nested surfaces; this package has {count}, so choose.\n"
+    here = f"this package has {count}, from {outer} to {inner}." if count in MNE_LAYERS else f"this package has {count}: choose."
+    return f"\nIts BEM takes one or three nested surfaces and warns above 10,000 vertices; {here}\n"
 
 
 _MATLAB = """
-    m = load('mat/OUTER.mat');                             % P in mm, t from 1, normals
+    m = load('mat/OUTER.mat');      % P in mm, t counted from 1, normals
     patch('Vertices', m.P, 'Faces', m.t, 'FaceColor', [0.9 0.75 0.6], 'EdgeColor', 'none');
     axis equal; camlight; lighting gouraud
 """
 _BEM_FMM = """
-    MATLAB: copy the files of bem-fmm/ into the folder of your model and run its scripts there; the index names its
-    MAT files without a path. P is in mm, as the scripts expect that scale it by 1e-3.
+    MATLAB: copy the files of bem-fmm/ into the folder of your model and run its scripts there; the index
+    names its MAT files without a path. P is in mm: use the scripts that scale it by 1e-3.
     Python: give bem-fmm/tissue_index.yaml as the tissue index; it refers to ../stl/.
 """
 _PYTHON = """
@@ -86,16 +85,16 @@ _PYTHON = """
     vertices_mm, faces = surface["P"], surface["t"].astype(int) - 1
 """
 _GMSH = """
-    gmsh opens the files of stl/. SimNIBS computes on tetrahedra (.msh), which this package does not have: these
-    surfaces are the input for a mesher, one region between each surface and the next.
+    gmsh opens the files of stl/. SimNIBS computes on tetrahedra (.msh), which this package does not have:
+    these surfaces are the input for a mesher, one region between each surface and the next.
 """
 _OPENMEEG = """
-    OpenMEEG does not read STL or MAT, and this package has no .tri, .geom or .cond files. Take vertices and faces as
-    under Python, and nesting and conductivities from manifest.json.
+    OpenMEEG does not read STL or MAT, and this package has no .tri, .geom or .cond files. Take vertices
+    and faces as under Python, and nesting and conductivities from manifest.json.
 """
 _MNE = """
-    MNE-Python does not read STL. Take vertices and faces as under Python; mne.write_surface(path, vertices_mm, faces)
-    saves them as a FreeSurfer surface. It warns above 10,000 vertices.
+    MNE-Python does not read STL. Take vertices and faces as under Python;
+    mne.write_surface(path, vertices_mm, faces) saves them as a FreeSurfer surface.
 """
 _HFSS = """
     Import the files of stl/ one by one with the model unit set to mm. STL has no unit of its own.

@@ -59,10 +59,12 @@ def find_body_frame(mesh: Mesh) -> BodyFrame:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     extents = high - low
     asymmetry = _asymmetries(mesh.vertices)
-    long_axes = [axis for axis in range(3) if extents[axis] >= NEARLY_AS_LONG * extents.max()]
-    height = max(long_axes, key=lambda axis: (round(asymmetry[axis], 2), extents[axis]))
+    lengths = np.round(extents / max(float(extents.max()), SMALLEST_SIZE_MM), 2)
+    long_axes = [axis for axis in range(3) if lengths[axis] >= NEARLY_AS_LONG]
+    # a tie goes to z for the height and to x for the side, as most programs have it
+    height = max(long_axes, key=lambda axis: (round(asymmetry[axis], 2), lengths[axis], axis))
     others = [axis for axis in range(3) if axis != height]
-    side = min(others, key=lambda axis: (round(asymmetry[axis], 2), -extents[axis]))
+    side = min(others, key=lambda axis: (round(asymmetry[axis], 2), -lengths[axis], axis))
     depth = 3 - height - side
     up, front = np.eye(3)[height], np.eye(3)[depth]
     is_person = False

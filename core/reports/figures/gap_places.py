@@ -13,7 +13,15 @@ from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.section import Plane, cut
-from core.reports.figures.section_drawing import draw_contours, draw_legend, draw_scale_bar, frame_zoom, set_window
+from core.reports.figures.section_drawing import (
+    draw_contours,
+    draw_legend,
+    draw_scale_bar,
+    frame_zoom,
+    legend_height_in,
+    set_window,
+    shortened,
+)
 from core.reports.palette import Colour
 from core.schema.report import PairReport
 
@@ -21,7 +29,7 @@ Floats = NDArray[np.float64]
 MOST_PLACES = 3
 WINDOW_GAPS = 40.0
 SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM = 2.0, 40.0
-WIDTH_IN, LEFT_IN, GUTTER_IN, TITLE_IN, TICKS_IN, LEGEND_IN = 8.4, 0.45, 0.45, 0.28, 0.28, 0.28
+WIDTH_IN, LEFT_IN, GUTTER_IN, TITLE_IN, TICKS_IN = 8.4, 0.45, 0.45, 0.42, 0.28
 
 
 def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Figure | None:
@@ -32,7 +40,7 @@ def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], col
     if not shown:
         return None
     panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
-    total_in = LEGEND_IN + TITLE_IN + panel_in + TICKS_IN
+    total_in = legend_height_in(len(colours)) + TITLE_IN + panel_in + TICKS_IN
     with sheet(WIDTH_IN, total_in) as figure:
         for number, pair in enumerate(shown):
             left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
@@ -40,7 +48,7 @@ def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], col
             _draw_place(axes, pair, meshes, colours)
         draw_legend(figure, colours)
         png = to_png(figure)
-    places = "; ".join(f"{pair.a} and {pair.b} {_gap_words(pair)} at {_point_words(pair)} mm" for pair in shown)
+    places = "; ".join(f"{pair.a} and {pair.b}: {_gap_words(pair)}, at {_point_words(pair)} mm" for pair in shown)
     return Figure("gap_places", "Narrowest gaps", f"Sections through the narrowest places: {places}.", png)
 
 
@@ -54,7 +62,7 @@ def _draw_place(axes: Axes, pair: PairReport, meshes: Mapping[str, Mesh], colour
     set_window(axes, plane, low, high, absolute=False)
     draw_scale_bar(axes, low, high)
     frame_zoom(axes)
-    axes.set_title(f"{pair.a} – {pair.b}: {_gap_words(pair)}", pad=5)
+    axes.set_title(f"{shortened(pair.a, 14)} – {shortened(pair.b, 14)}\n{_gap_words(pair)}", pad=5)
 
 
 def _nearest_normal(mesh: Mesh, point: Floats) -> Floats:

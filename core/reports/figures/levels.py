@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from core.reports.figures.section import Plane
 Floats = NDArray[np.float64]
 # shares of the height of a standing adult; they choose a picture, no number depends on them
 EARS_BETWEEN = (0.89, 0.97)
+EAR_BESIDE = 0.75  # of the half width of the window
 HEAD_ABOVE = 0.86
 TORSO_AT = 0.70
 HANDS_BESIDE_THIGHS_AT = 0.45
@@ -33,7 +34,8 @@ SLICE = 0.01
 class Level:
     """A plane with its window (2,), (2,) in mm of the plane, and words for the title.
 
-    absolute: the plane follows the mesh's axes and its coordinates are the mesh's own, up to their sign."""
+    absolute: the plane follows the mesh's axes and its coordinates are the mesh's own, up to their sign.
+    zoom_from: (2,), the lower left corner of the part of the window in which a zoom is looked for."""
 
     title: str
     seen_from: str
@@ -41,6 +43,7 @@ class Level:
     low: Floats
     high: Floats
     absolute: bool = True
+    zoom_from: Floats | None = None
 
 
 def find_levels(mesh: Mesh, frame: BodyFrame) -> dict[str, tuple[Level, ...]]:
@@ -67,7 +70,10 @@ def _ears(mesh: Mesh, frame: BodyFrame) -> Level:
     head = _vertices_where(mesh, (heights > low) & (heights < high))
     widest = head[int(np.argmax(np.abs((head - frame.centre()) @ frame.right)))]
     plane = _horizontal(frame, float(widest @ frame.up))
-    return _level(f"Head at the ears, {_where(plane)}", "from the feet", plane, head)
+    level = _level(f"Head at the ears, {_where(plane)}", "from the feet", plane, head)
+    middle = float(frame.centre() @ frame.right)
+    left_ear = np.array([middle + EAR_BESIDE * (level.high[0] - middle), level.low[1]])
+    return replace(level, zoom_from=left_ear)
 
 
 def _midline_of_head(mesh: Mesh, frame: BodyFrame) -> Level:
@@ -133,7 +139,7 @@ def _window(flat: Floats, margin: float) -> tuple[Floats, Floats]:
 
 def _where(plane: Plane) -> str:
     letter, sign = axis_of(plane.normal)
-    return f"{letter} = {sign * float(plane.origin @ plane.normal):.0f} mm"
+    return f"{letter} = {round(sign * float(plane.origin @ plane.normal))} mm".replace("-", "−")
 
 
 def axis_of(direction: Floats) -> tuple[str, float]:

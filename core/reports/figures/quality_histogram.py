@@ -11,24 +11,27 @@ from core.geometry.quality import quality
 from core.mesh import Mesh
 from core.reports.figures.canvas import FAINT, sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.section_drawing import draw_legend, legend_height_in
 from core.reports.palette import Colour, as_hex
 
 BINS = 50
 SMALLEST_SHARE = 1e-6
+WIDTH_IN, PLOT_IN, TICKS_IN = 8.4, 1.75, 0.45
 
 
 def draw_quality_histogram(meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Figure:
     """Share of the faces by q = 2 r_in / r_out, logarithmic, so that a single sliver among 100,000 faces shows."""
     edges = np.linspace(0.0, 1.0, BINS + 1)
-    with sheet(8.4, 2.5) as figure:
-        axes = figure.add_axes((0.10, 0.18, 0.88, 0.70))
+    total_in = legend_height_in(len(meshes)) + PLOT_IN + TICKS_IN
+    with sheet(WIDTH_IN, total_in) as figure:
+        axes = figure.add_axes((0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in))
         worst = []
         for name, mesh in meshes.items():
             q = quality(mesh.vertices, mesh.faces)
             worst.append(f"{name} {q.min():.2g}")
             shares = np.histogram(q, bins=edges)[0] / len(q)
             heights = np.maximum(np.append(shares, shares[-1]), SMALLEST_SHARE)
-            axes.step(edges, heights, where="post", color=as_hex(colours[name]), linewidth=1.3, label=name)
+            axes.step(edges, heights, where="post", color=as_hex(colours[name]), linewidth=1.3)
         axes.set_yscale("log")
         axes.set_ylim(SMALLEST_SHARE, 1.0)
         axes.set_xlim(0.0, 1.0)
@@ -38,7 +41,7 @@ def draw_quality_histogram(meshes: Mapping[str, Mesh], colours: Mapping[str, Col
         axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
         axes.set_ylabel("share of faces")
         axes.set_xlabel("triangle quality q (1: equilateral)")
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, borderaxespad=0.2)
+        draw_legend(figure, {name: colours[name] for name in meshes})
         png = to_png(figure)
     caption = f"Share of faces by quality q = 2 r_in / r_out, logarithmic. Smallest q: {'; '.join(worst)}."
     return Figure("quality_histogram", "Triangle quality", caption, png)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from core.reports.palette import Colour, as_hex, lightened
 
 Floats = NDArray[np.float64]
 PALE = 0.72
+LEGEND_COLUMNS = 4
 
 
 def draw_contours(axes: Axes, contours: Mapping[str, Sequence[Contour]], colours: Mapping[str, Colour], line_pt: float) -> None:
@@ -68,9 +70,19 @@ def draw_scale_bar(axes: Axes, low: Floats, high: Floats) -> None:
 
 
 def draw_legend(figure: Sheet, colours: Mapping[str, Colour]) -> None:
-    """The meshes by colour along the upper edge of the sheet."""
-    handles = [Line2D([], [], color=as_hex(colour), linewidth=2, label=name) for name, colour in colours.items()]
-    figure.legend(handles=handles, loc="upper left", ncols=6, bbox_to_anchor=(0.05, 1.0), borderaxespad=0.4)
+    """The meshes by colour along the upper edge of the sheet, `legend_height_in` high."""
+    handles = [Line2D([], [], color=as_hex(colour), linewidth=2, label=shortened(name)) for name, colour in colours.items()]
+    figure.legend(handles=handles, loc="upper left", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.05, 1.0), borderaxespad=0.4)
+
+
+def legend_height_in(count: int) -> float:
+    """Height in inches of a legend of so many names."""
+    return 0.12 + 0.17 * math.ceil(count / LEGEND_COLUMNS)
+
+
+def shortened(name: str, longest: int = 22) -> str:
+    """A name that fits its column."""
+    return name if len(name) <= longest else name[: longest - 1] + "…"
 
 
 def mark_window(axes: Axes, low: Floats, high: Floats) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
@@ -28,15 +29,18 @@ SLACK_MM = 10.0  # a place on an inner shell or in a fold counts as visible thro
 
 @dataclass(frozen=True, slots=True)
 class _Marks:
-    """The places of one finding, (N, 3) mm."""
+    """The places of all findings of one code, (N, 3) mm; `count` says how many there are."""
 
-    finding: Finding
+    code: str
+    severity: Severity
+    count: int
     points: Floats
 
 
 def draw_surface_views(mesh: Mesh, frame: BodyFrame, colour: Colour, findings: Sequence[Finding]) -> Figure:
-    """Views of the outermost mesh; a dashed circle is a place on a side that no view shows."""
-    marks = [_Marks(finding, _points(finding)) for finding in findings if finding.places]
+    """Views of the outermost mesh with the places of the errors and warnings, or else of what is only for information; a
+    dashed circle is a place on a side that no view shows."""
+    marks = _marks(findings)
     legend_in = LEGEND_IN * len(marks) + (0.1 if marks else 0.0)
     paint = np.tile(np.array(lightened(colour, 0.62), dtype=np.uint8), (len(mesh.faces), 1))
     surface = Surface.of(mesh)
@@ -47,19 +51,8 @@ def draw_surface_views(mesh: Mesh, frame: BodyFrame, colour: Colour, findings: S
         for panel, raster in zip(panels, rasters, strict=True):
             place_picture(figure, panel, raster.paint(paint), below_px)
         for mark in marks:
-            for panel, centre, hidden in _circles(mark, panels, rasters):
-                left, bottom, _, _ = panel.place
-                figure.add_artist(
-                    Circle(
-                        (left + centre[0], bottom + below_px + centre[1]),
-                        RADIUS_PX,
-                        transform=None,
-                        facecolor="none",
-                        edgecolor=SEVERITY_COLOURS[mark.finding.severity],
-                        linewidth=1.2,
-                        linestyle="--" if hidden else "-",
-                    )
-                )
+            for circle in _circles(mark, panels, rasters):
+                _draw_circle(figure, circle, SEVERITY_COLOURS[mark.severity], below_px)
         if marks:
             figure.legend(
                 handles=[_handle(mark) for mark in marks], loc="lower left", bbox_to_anchor=(0.02, 0.0), borderaxespad=0.2
@@ -67,16 +60,42 @@ def draw_surface_views(mesh: Mesh, frame: BodyFrame, colour: Colour, findings: S
         png = to_png(figure)
     caption = "The outermost surface."
     if marks:
-        caption = "Circles: the places the findings name; dashed where no view shows them."
+        caption = (
+            "Circles: the places the findings name, with their number where several lie close; dashed where no view shows them."
+        )
     return Figure("surface", "Surface and places of the findings" if marks else "Surface", caption, png)
 
 
-def _points(finding: Finding) -> Floats:
-    return np.array([place.point_mm for place in finding.places], dtype=np.float64)
+def _marks(findings: Sequence[Finding]) -> list[_Marks]:
+    placed = [finding for finding in findings if finding.places]
+    urgent = [finding for finding in placed if finding.severity is not Severity.INFO]
+    by_code: dict[tuple[str, Severity], list[Finding]] = {}
+    for finding in sorted(urgent or placed, key=lambda each: list(Severity).index(each.severity)):
+        by_code.setdefault((finding.code, finding.severity), []).append(finding)
+    return [
+        _Marks(
+            code,
+            severity,
+            sum(finding.count for finding in alike),
+            np.array([place.point_mm for finding in alike for place in finding.places], dtype=np.float64),
+        )
+        for (code, severity), alike in by_code.items()
+    ]
 
 
-def _circles(mark: _Marks, panels: Sequence[Panel], rasters: Sequence[Raster]) -> list[tuple[Panel, Floats, bool]]:
-    """(panel, centre in pixels from its lower left corner, hidden) of the circles; places that would overlap share one."""
+@dataclass(frozen=True, slots=True)
+class _Circle:
+    """Around one or several places that lie close together in a panel; centre in pixels from its lower left corner."""
+
+    panel: Panel
+    centre: Floats
+    radius_px: float
+    count: int
+    hidden: bool
+
+
+def _circles(mark: _Marks, panels: Sequence[Panel], rasters: Sequence[Raster]) -> list[_Circle]:
+    """The circles of one finding; places that no view shows are drawn in the first one."""
     circles = []
     visible = np.array([raster.sees(mark.points, SLACK_MM) for raster in rasters])
     nowhere = ~visible.any(axis=0)
@@ -84,28 +103,47 @@ def _circles(mark: _Marks, panels: Sequence[Panel], rasters: Sequence[Raster]) -
         hidden_here = nowhere if number == 0 else np.zeros_like(nowhere)
         for shown, hidden in ((visible[number], False), (hidden_here, True)):
             flat = (panel.view.flatten(mark.points[shown]) - panel.view.low) * panel.view.pixels_per_mm
-            circles += [(panel, centre, hidden) for centre in _thinned(flat)]
+            circles += [_Circle(panel, *_ring(members), len(members), hidden) for members in _clusters(flat)]
     return circles
 
 
-def _thinned(centres: Floats) -> list[Floats]:
-    """Centres that are at least a radius apart, in order."""
-    kept: list[Floats] = []
-    for centre in centres:
-        if all(np.linalg.norm(centre - other) >= RADIUS_PX for other in kept):
-            kept.append(centre)
-    return kept
+def _ring(members: Floats) -> tuple[Floats, float]:
+    """Centre (2,) and radius of a circle around points (N, 2), in pixels."""
+    centre = (members.min(axis=0) + members.max(axis=0)) / 2
+    return centre, max(RADIUS_PX, float(np.linalg.norm(members - centre, axis=1).max()) + 0.6 * RADIUS_PX)
+
+
+def _clusters(points: Floats) -> list[Floats]:
+    """Points (N, 2) in groups whose circles do not overlap: each point joins, with all its group, what it touches."""
+    groups: list[Floats] = []
+    for point in points:
+        merged = point[None, :]
+        while touched := [group for group in groups if _overlap(group, merged)]:
+            groups = [group for group in groups if not _overlap(group, merged)]
+            merged = np.concatenate([*touched, merged])
+        groups.append(merged)
+    return groups
+
+
+def _overlap(first: Floats, second: Floats) -> bool:
+    (one, radius), (other, other_radius) = _ring(first), _ring(second)
+    return float(np.linalg.norm(one - other)) < radius + other_radius
+
+
+def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int) -> None:
+    left, bottom, _, _ = circle.panel.place
+    x, y = left + float(circle.centre[0]), bottom + below_px + float(circle.centre[1])
+    style = "--" if circle.hidden else "-"
+    ring = Circle((x, y), circle.radius_px, transform=None, facecolor="none", edgecolor=colour, linewidth=1.2, linestyle=style)
+    figure.add_artist(ring)
+    if circle.count > 1:
+        width_px, height_px = figure.get_size_inches() * figure.dpi
+        at = ((x + 0.75 * circle.radius_px) / width_px, (y + 0.75 * circle.radius_px) / height_px)
+        figure.text(*at, str(circle.count), color=colour, fontsize=6.5, ha="left", va="bottom")
 
 
 def _handle(mark: _Marks) -> Line2D:
-    finding = mark.finding
-    more = f" ({len(finding.places)} shown)" if len(finding.places) < finding.count else ""
-    return Line2D(
-        [],
-        [],
-        linestyle="none",
-        marker="o",
-        markerfacecolor="none",
-        markeredgecolor=SEVERITY_COLOURS[finding.severity],
-        label=f"{finding.severity}: {finding.code} × {finding.count}{more}",
-    )
+    more = f" ({len(mark.points)} shown)" if len(mark.points) < mark.count else ""
+    colour = SEVERITY_COLOURS[mark.severity]
+    label = f"{mark.severity}: {mark.code} × {mark.count}{more}"
+    return Line2D([], [], linestyle="none", marker="o", markerfacecolor="none", markeredgecolor=colour, label=label)
