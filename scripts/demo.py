@@ -166,12 +166,13 @@ def _submit_and_wait(client: Client, skin_path: Path, view: ProgressView) -> Job
 def _show(checked: Checked, console: Console, total_s: float) -> None:
     console.print(mesh_table(checked.as_found_in_files()))
     for line in finding_lines(checked.report.findings):
-        console.print(line)
+        console.print(line, soft_wrap=True)
     timings = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in (checked.job.timings_s or {}).items())
     job_s = checked.job.seconds or 0.0
     console.print(
         f"Job {job_s:.1f} s ({timings}); files checked again in {checked.recheck_s:.1f} s; all in all {total_s:.1f} s",
         highlight=False,
+        soft_wrap=True,
     )
     console.print(f"TetGen (pYQ) fills the shells with {checked.tetrahedra:,} tetrahedra", highlight=False)
     complaints = checked.complaints()

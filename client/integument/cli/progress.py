@@ -11,12 +11,15 @@ from typing import Protocol, Self
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Column
+from rich.text import Text
 
 from integument.event import JobEvent
 from integument.upload import OnBytes
 
 LINE_EVERY_PERCENT = 5.0
 MEGABYTE = 1e6
+BAR_WIDTH = 70  # of everything but the message
 
 
 class ProgressView(Protocol):
@@ -99,11 +102,11 @@ class Bar:
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(
-            TextColumn("{task.description:<20}"),
-            BarColumn(bar_width=30),
-            TextColumn("{task.percentage:3.0f} %"),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[message]}"),
+            TextColumn("{task.description}", table_column=Column(width=22, no_wrap=True, overflow="ellipsis")),
+            BarColumn(bar_width=30, table_column=Column(width=30)),
+            TextColumn("{task.percentage:3.0f} %", table_column=Column(width=5, no_wrap=True)),
+            TimeElapsedColumn(table_column=Column(width=7, no_wrap=True)),
+            TextColumn("{task.fields[message]}", table_column=Column(no_wrap=True)),
             console=console,
         )
         self._job: TaskID | None = None
@@ -120,11 +123,16 @@ class Bar:
         if self._job is None:
             self._job = self._progress.add_task("waiting", total=100.0, message="")
         if event.type == "log":
-            self._progress.console.print(f"  {event.message}", style="dim", highlight=False, markup=False)
+            self._progress.console.print(Text(f"  {event.message}", "dim"))
             return
         if event.phase:
             self._progress.update(self._job, description=escape(event.phase))
-        self._progress.update(self._job, completed=event.progress, message=escape(event.message))
+        self._progress.update(self._job, completed=event.progress, message=escape(self._fitting(event.message)))
+
+    def _fitting(self, message: str) -> str:
+        """Rich would shrink the bar in favour of a long message."""
+        room = max(10, self._progress.console.width - BAR_WIDTH)
+        return message if len(message) <= room else message[: room - 1] + "…"
 
     def transfer(self, label: str) -> OnBytes:
         """A bar of its own."""

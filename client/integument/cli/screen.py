@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from rich.console import Console, RenderableType
+from rich.text import Text
 
 from integument.cli.exit_code import ExitCode
 from integument.errors import IntegumentError, JobError, ProblemError
@@ -26,7 +27,7 @@ class Screen:
     def show(self, content: RenderableType) -> None:
         """A result for people; nothing with --json."""
         if not self.as_json:
-            self._out.print(content, soft_wrap=isinstance(content, str), highlight=False, markup=not isinstance(content, str))
+            self._out.print(content, soft_wrap=isinstance(content, str | Text), highlight=False, markup=False)
 
     def document(self, content: object) -> None:
         """The result for programs; nothing without --json."""
