@@ -31,6 +31,7 @@ router = APIRouter(prefix="/meshes", tags=["Meshes"])
 
 EXPORT_TARGET = "core.processes.export:run"
 FileFormat = Literal["original", "stl", "stl-ascii", "mat", "ply", "obj"]
+FILE_MEDIA_TYPES = ("application/octet-stream", "model/stl", "application/x-matlab-data", "application/ply", "model/obj")
 _UPLOAD_BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -129,7 +130,7 @@ def delete_mesh(mesh_id: MeshId, services: ServicesDep) -> None:
     "/{mesh_id}/file",
     operation_id="getMeshFile",
     response_class=Response,
-    responses=files("The file", "application/octet-stream", "model/stl") | problems(422, 413),
+    responses=files("The file", *FILE_MEDIA_TYPES) | problems(422, 413),
 )
 async def get_mesh_file(
     mesh_id: MeshId,

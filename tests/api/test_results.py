@@ -11,6 +11,7 @@ import httpx
 import pytest
 
 from api.downloads import content_disposition, requested_span
+from api.routes.meshes import FILE_MEDIA_TYPES
 from core.errors import InputError, InternalError, LimitError, StateError
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
@@ -250,6 +251,7 @@ def test_meshes_come_in_every_format(api: Live, mesh_href: str, stl: bytes, file
     assert api.is_clean()
     again = api.client.get(f"{mesh_href}/file", params={"format": file_format})
     assert again.content == response.content
+    assert response.headers["content-type"] in FILE_MEDIA_TYPES
     extension = {"original": "stl", "stl-ascii": "stl"}.get(file_format, file_format)
     assert response.headers["content-disposition"] == f'attachment; filename="skin.{extension}"'
     if file_format == "original":
