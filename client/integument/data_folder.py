@@ -9,6 +9,8 @@ from pathlib import Path
 
 import httpx
 
+from integument.tls import tls_context
+
 PROBE_TIMEOUT_S = 5.0
 
 
@@ -54,7 +56,7 @@ class DataFolder:
         except (FileNotFoundError, ValueError, KeyError, TypeError):
             return None
         try:
-            reply = httpx.get(f"{url}/readyz", timeout=PROBE_TIMEOUT_S, trust_env=False)
+            reply = httpx.get(f"{url}/readyz", timeout=PROBE_TIMEOUT_S, verify=tls_context(), trust_env=False)
         except httpx.HTTPError:
             return None
         return url if reply.is_success else None

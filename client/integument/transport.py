@@ -15,6 +15,7 @@ from integument.backoff import Backoff
 from integument.errors import ArgumentError, ProblemError, ServerError, ServerUnreachableError
 from integument.problem import read_problem
 from integument.retry_after import read_retry_after_s
+from integument.tls import tls_context
 
 T = TypeVar("T")
 CONNECT_TIMEOUT_S = 10.0
@@ -34,6 +35,7 @@ class Transport:
             base_url=self.url,
             timeout=self._timeout(timeout_s),
             headers={"User-Agent": f"integument/{_own_version()}"},
+            verify=tls_context(),
             trust_env=not _is_loopback(self.url),  # a proxy cannot reach this machine's own loopback
         )
 
