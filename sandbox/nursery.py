@@ -164,7 +164,7 @@ class Nursery:
         """Only what it needs: whatever is here, every child can read."""
         environment = {name: os.environ[name] for name in PASSED_VARIABLES if name in os.environ}
         environment |= dict.fromkeys(THREAD_VARIABLES, str(self._threads))
-        environment["PYTHONPATH"] = os.pathsep.join(entry for entry in sys.path if entry)
+        environment["PYTHONPATH"] = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         return environment
 
     def _discard(self) -> None:

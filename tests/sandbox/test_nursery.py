@@ -80,7 +80,7 @@ nursery.start()
 print(nursery.pid, flush=True)
 time.sleep(60)
 """
-    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{ROOT}"}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
     with subprocess.Popen([sys.executable, "-c", source], stdout=subprocess.PIPE, text=True, env=environment) as owner:
         assert owner.stdout is not None
         pid = int(owner.stdout.readline())

@@ -6,6 +6,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -81,7 +82,7 @@ def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> N
     job = claim(workshop, "sleep", seconds=60)
     thread = in_background(workshop, job)
     child = service.wait_for_child(job)
-    with sqlite3.connect(workshop.settings.data_dir / "integument.sqlite3") as database:
+    with closing(sqlite3.connect(workshop.settings.data_dir / "integument.sqlite3", isolation_level=None)) as database:
         database.execute("PRAGMA foreign_keys=ON")
         database.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
     thread.join(10)
@@ -153,13 +154,12 @@ def test_a_database_that_is_away_for_a_while_costs_nothing(settings: Settings, m
     workshop = Workshop.open(settings, target="tests.worker.targets:run")
     workshop.db.migrate()
     job = claim(workshop, "sleep", seconds=0.5)
-    with sqlite3.connect(settings.data_dir / "integument.sqlite3", isolation_level=None) as other:
+    with closing(sqlite3.connect(settings.data_dir / "integument.sqlite3", isolation_level=None)) as other:
         thread = in_background(workshop, job)
         other.execute("BEGIN EXCLUSIVE")
         time.sleep(3)  # several heartbeats, and the end of the child
         assert thread.is_alive()
         other.execute("ROLLBACK")
-    other.close()
     thread.join(15)
     done = workshop.jobs.get(job.id)
     assert (done.status, done.attempt) == (JobStatus.SUCCESSFUL, 1)
