@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from core.errors import InputError, IntegumentError
+from core.errors import IntegumentError, StateError
 from core.processes.failure import failure_report
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.shells import run_shells
@@ -43,7 +43,7 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
     process: str = payload["process"]
     context = RunContext(sink=lambda event: channel.send(_message(event)))
     if process not in HANDLERS:
-        raise InputError("process.not_found", f"there is no process '{process}'", process=process)
+        raise StateError("process.not_found", f"there is no process '{process}'", process=process)
     try:
         inputs = PROCESSES[process].inputs.model_validate(payload["inputs"])
         outcome = HANDLERS[process](inputs, payload["meshes"], context, out_dir)

@@ -14,23 +14,11 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("api", "client/integument", "core", "sandbox", "server", "store", "worker")
 CODE = re.compile(r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$")
 FILE_SUFFIXES = {
-    "html",
-    "json",
-    "log",
-    "mesh",
-    "npz",
-    "obj",
-    "ply",
-    "png",
-    "sock",
-    "sqlite3",
-    "stl",
-    "mat",
-    "part",
-    "tmp",
-    "txt",
-    "zip",
+    *("html", "json", "lock", "log", "mat", "mesh", "npz", "obj", "part"),
+    *("ply", "png", "sock", "sqlite3", "stl", "tmp", "txt", "yaml", "zip"),
 }
+# a Celery task, a column, an ASGI event
+OTHER_NAMES = {"jobs.run", "jobs.id", "http.disconnect"}
 
 
 def source_files() -> list[Path]:
@@ -49,8 +37,8 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def is_code(text: str) -> bool:
-    """True for `noun.reason`, unless it names a file, a module, a Celery task, an ASGI event or a setting of matplotlib."""
-    if not CODE.match(text) or text.rpartition(".")[2] in FILE_SUFFIXES or text in {"jobs.run", "http.disconnect", *rcParams}:
+    """True for `noun.reason`, unless it is known to name something else: a file, a module, a setting of matplotlib."""
+    if not CODE.match(text) or text.rpartition(".")[2] in FILE_SUFFIXES or text in {*OTHER_NAMES, *rcParams}:
         return False
     return text.partition(".")[0] not in ("core", "integument") and not _is_module(text)
 
