@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 import httpx
 
 from integument.digest import sha256_of_etag, stated_sha256
-from integument.errors import DownloadCorruptError, ReplyError, ServerError
+from integument.errors import DownloadCorruptError, ProblemError, ReplyError, ServerError
 from integument.part_file import PartFile
 from integument.transport import Transport
 from integument.upload import OnBytes
@@ -39,9 +39,15 @@ def download(transport: Transport, path: str, target: Path, on_bytes: OnBytes | 
 
 
 def offered_file_name(transport: Transport, path: str) -> str:
-    """The name the server gives the file, without any folder; the last part of `path` if it gives none."""
+    """The name the server gives the file, without any folder; the last part of `path` if it gives none, or refuses.
+
+    A refusal of HEAD has no body: the GET that follows will say what is wrong.
+    """
     header = Message()
-    header["content-disposition"] = transport.request("HEAD", path).headers.get("content-disposition", "attachment")
+    try:
+        header["content-disposition"] = transport.request("HEAD", path).headers.get("content-disposition", "attachment")
+    except ProblemError:
+        return PurePosixPath(path).name
     name = PurePosixPath((header.get_filename() or "").replace("\\", "/")).name.lstrip(".")
     return name or PurePosixPath(path).name
 

@@ -95,10 +95,12 @@ def test_into_a_folder_the_server_names_the_file_but_not_the_place(client: Clien
     assert client.download(JOB_ID, "package", tmp_path) == tmp_path / "package.zip"
 
 
-def test_a_missing_output_is_a_problem_and_leaves_nothing(client: Client, state: State, tmp_path: Path) -> None:
+@pytest.mark.parametrize("target", ["", "a.zip"])
+def test_a_missing_output_is_a_problem_and_leaves_nothing(client: Client, state: State, tmp_path: Path, target: str) -> None:
+    state.faults[f"HEAD {PATH}"].append(Refuse(404, "output.not_found"))
     state.faults[f"GET {PATH}"].append(Refuse(404, "output.not_found"))
-    with pytest.raises(ProblemError):
-        client.download(JOB_ID, "package", tmp_path / "a.zip")
+    with pytest.raises(ProblemError, match=r"output\.not_found"):
+        client.download(JOB_ID, "package", tmp_path / target)
     assert left_in(tmp_path) == []
 
 
