@@ -1,4 +1,4 @@
-"""SIGKILL to the geometry child in mid-job: the job is tried once more, then fails with the reason; the next one runs."""
+"""SIGKILL in mid-job, to the geometry child and to the worker: the job is tried once more, and no other one is harmed."""
 
 import time
 
@@ -37,6 +37,21 @@ def test_killed_child_costs_one_attempt_and_no_other_job(server: Embedded, servi
     following = service.execute("validate", {"meshes": {"href": service.upload(sphere(100.0, 3), "ball")}})
     assert service.succeed(following)["verdict"] == "simulation_ready"
     assert server.part("worker").pid == worker.pid  # and nobody had to be started again
+
+
+def test_killed_worker_costs_one_attempt_and_no_waiting_for_leases(server: Embedded, service: Service, skin: str) -> None:
+    worker = server.part("worker")
+    job = service.shells(skin)
+    service.wait(job, lambda status: status["status"] == "running" and status["progress"] >= 5)
+    family = [worker, *worker.children(recursive=True)]
+    assert len(family) >= 3  # worker, nursery, child
+    worker.kill()
+    _, alive = psutil.wait_procs(family, timeout=5)
+    assert alive == []
+    started = time.monotonic()
+    assert service.wait(job, lambda status: status["status"] == "running")["attempt"] == 2
+    assert time.monotonic() - started < 25  # a lease alone is 30 s
+    assert service.http.delete(f"/v1/jobs/{job}").json()["status"] == "dismissed"
 
 
 def test_dismissed_job_is_gone_within_two_seconds(server: Embedded, service: Service, skin: str) -> None:

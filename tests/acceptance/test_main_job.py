@@ -65,6 +65,10 @@ def test_the_package_keeps_every_promise_when_read_back(main_job: MainJob, servi
     require_promises(main_job, service, tmp_path)
 
 
+def test_it_takes_a_minute_on_two_cores(main_job: MainJob) -> None:
+    assert main_job.seconds < 180  # three times the promise: this machine may be busy with other things
+
+
 def test_skin_comes_back_as_it_was_sent(main_job: MainJob) -> None:
     sent, came = body(0), main_job.shells["skin"]
     assert np.array_equal(came.vertices[came.faces], sent.vertices[sent.faces])
