@@ -6,6 +6,7 @@ import fcntl
 import json
 import os
 import time
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
@@ -82,8 +83,12 @@ class DataFolder:
         self.notice.unlink(missing_ok=True)
 
     def release(self) -> None:
-        """Give up the lock."""
+        """Give up the lock, and the short folder of the socket if there is one."""
         self.withdraw()
+        if "socket_path" in vars(self) and self.socket_path.parent != self.valkey:
+            self.socket_path.unlink(missing_ok=True)  # a killed Valkey leaves it behind
+            with suppress(OSError):  # somebody else's file in it is no reason to fail at the very end
+                self.socket_path.parent.rmdir()
         os.close(self._lock)
 
     def _take_lock(self) -> None:

@@ -59,6 +59,7 @@ def test_broker_url_leads_to_it_through_any_folder_name(tmp_path: Path, name: st
         assert psutil.Process(part.process.pid).net_connections("inet") == []  # no TCP port
         assert len(str(folder.socket_path).encode()) <= SOCKET_PATH_LIMIT_BYTES
         assert stat.S_IMODE(folder.socket_path.parent.stat().st_mode) == 0o700
+    assert folder.socket_path.parent.exists() == (folder.socket_path.parent == folder.valkey)  # no short folder stays behind
 
 
 def test_messages_survive_its_sigkill(tmp_path: Path) -> None:
