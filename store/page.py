@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Generic, TypeVar
 
 from core.errors import InputError
@@ -34,6 +34,11 @@ def from_cursor(cursor: str) -> tuple[datetime, str]:
         created_at = datetime.fromisoformat(moment)
     except (ValueError, binascii.Error):
         created_at = None
-    if created_at is None or created_at.tzinfo is None or not 0 < len(identifier) <= 36:
+    if (
+        created_at is None
+        or created_at.utcoffset() != timedelta(0)
+        or not 0 < len(identifier) <= 36
+        or not identifier.isprintable()
+    ):
         raise InputError("cursor.invalid", "the cursor is none of those this server hands out; leave it out to start over")
     return created_at, identifier

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import threading
 import time
 from collections.abc import Callable
@@ -124,6 +125,10 @@ def test_lists_are_filtered_and_paged(tmp_path: Path) -> None:
         assert [job["jobID"] for job in httpx.get(link).json()["jobs"]] == [made[1].id], "filters stay on the next page"
 
 
+def cursor_of(told: str) -> str:
+    return base64.urlsafe_b64encode(told.encode()).decode().rstrip("=")
+
+
 @pytest.mark.parametrize(
     ("query", "code"),
     [
@@ -132,6 +137,9 @@ def test_lists_are_filtered_and_paged(tmp_path: Path) -> None:
         ("limit=ten", "request.invalid"),
         ("cursor=%00", "request.invalid"),
         ("cursor=abc", "cursor.invalid"),
+        (f"cursor={cursor_of('2026-11-21T00:00:00+00:00 a' + chr(0))}", "cursor.invalid"),
+        (f"cursor={cursor_of('0001-01-01T00:00:00+23:59 a')}", "cursor.invalid"),
+        (f"cursor={cursor_of('2026-11-21T00:00:00 a')}", "cursor.invalid"),
         ("processID=%00", "request.invalid"),
     ],
 )
