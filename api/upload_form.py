@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ PIECE_BYTES = 1024 * 1024  # written at a time
 MAX_FIELD_BYTES = 2000
 FORM_BYTES = 64 * 1024  # room for the form around the file
 DRAIN_S = 10.0
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _FIELDS = ("unit", "name")
 _FILE = "file"
 
@@ -44,7 +46,7 @@ async def receive_file(request: Request, path: Path, limit_bytes: int) -> Receiv
     """Write the part `file` of a multipart body to `path`.
 
     Raises LimitError `upload.too_large`, InputError `request.media_type`, `request.malformed`, `upload.field_unknown`,
-    `upload.file_missing`, `upload.interrupted`."""
+    `upload.file_missing`, `upload.interrupted`, LimitError `storage.full`."""
     media_type, options = parse_options_header(request.headers.get("content-type"))
     if media_type != b"multipart/form-data":
         sent = media_type.decode("latin-1")[:100] or "none"
@@ -55,19 +57,24 @@ async def receive_file(request: Request, path: Path, limit_bytes: int) -> Receiv
         if "expect" not in request.headers:  # with 100-continue nothing is on its way yet
             await body.drain()
         raise _too_large(limit_bytes, f"the request has {declared[:18]}")
-    with path.open("xb") as target:
-        form = _Form(target, limit_bytes)
-        try:
+    try:
+        with path.open("xb") as target:
+            form = _Form(target, limit_bytes)
             parser = MultipartParser(options.get(b"boundary", b""), form.callbacks())
             async for piece in body.pieces():
                 await run_in_threadpool(parser.write, piece)
             return form.result(path)
-        except FormParserError as error:
-            await body.drain()
-            raise InputError("request.malformed", f"The multipart body cannot be read: {error}") from error
-        except (InputError, LimitError):
-            await body.drain()
+    except FormParserError as error:
+        await body.drain()
+        raise InputError("request.malformed", f"The multipart body cannot be read: {error}") from error
+    except (InputError, LimitError):
+        await body.drain()
+        raise
+    except OSError as error:
+        if error.errno not in _NO_ROOM:
             raise
+        await body.drain()
+        raise LimitError("storage.full", f"The disk is full after {body.size} bytes of the upload", size=body.size) from error
 
 
 class _Body:
@@ -75,7 +82,7 @@ class _Body:
 
     def __init__(self, request: Request) -> None:
         self._receive = request.receive
-        self._size = 0
+        self.size = 0
         self._more = True
 
     async def pieces(self) -> AsyncIterator[bytes]:
@@ -97,10 +104,10 @@ class _Body:
         message = await self._receive()
         if message["type"] == "http.disconnect":
             self._more = False
-            raise InputError("upload.interrupted", f"The upload broke off after {self._size} bytes", size=self._size)
+            raise InputError("upload.interrupted", f"The upload broke off after {self.size} bytes", size=self.size)
         self._more = bool(message.get("more_body", False))
         chunk: bytes = message.get("body", b"")
-        self._size += len(chunk)
+        self.size += len(chunk)
         return chunk
 
 

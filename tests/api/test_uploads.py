@@ -6,6 +6,7 @@ import hashlib
 import http.client
 import io
 import os
+import resource
 import socket
 import threading
 from pathlib import Path
@@ -233,6 +234,20 @@ def test_a_parser_that_needs_too_much_memory_is_stopped(tmp_path: Path) -> None:
         problem_of(live.upload(saved(P=rows, t=T), "big.mat"), 413, "limit.memory")
         assert live.incoming() == []
         assert live.blob_names() == set()
+
+
+def test_a_disk_without_room_is_told_and_left_clean(tmp_path: Path) -> None:
+    """A limit on the size of files ends a write as a full disk does."""
+    with serving(Settings(data_dir=tmp_path)) as live:
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024**2, hard))
+        try:
+            response = live.upload(b"\0" * 3 * 1024**2)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        problem_of(response, 507, "storage.full")
+        assert live.incoming() == []
+        assert live.upload(binary_stl()).status_code == 201
 
 
 def test_the_same_upload_twice_under_one_key_is_one_mesh(api: Live, stl: bytes) -> None:
