@@ -32,12 +32,7 @@ RUN --mount=type=cache,target=/root/.cache/uv \
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Integument" \
       org.opencontainers.image.licenses="AGPL-3.0-or-later"
-# libgl1: pymeshlab is linked against it. The version is whatever security fix Debian has today.
-# hadolint ignore=DL3008
-RUN apt-get update \
-    && apt-get install --yes --no-install-recommends libgl1 \
-    && rm -rf /var/lib/apt/lists/* \
-    && install --directory --owner=10001 --group=10001 --mode=0700 /data
+RUN install --directory --owner=10001 --group=10001 --mode=0700 /data
 COPY --from=build /opt/integument /opt/integument
 # the root file system is read-only: compiled kernels are kept with the data, everything passing goes to /tmp
 ENV PATH=/opt/integument/bin:$PATH \
