@@ -21,7 +21,9 @@ def matlab_index(tissues: Sequence[Tissue]) -> str:
 def python_index(tissues: Sequence[Tissue]) -> str:
     """`tissue_index.yaml`: name, then S/m inside, enclosing tissue and mesh file, relative to the index."""
     rows = [
-        f'  {each.name}: [{_number(each.conductivity_s_per_m)}, "{each.enclosing}", "../stl/{each.name}.stl"]' for each in tissues
+        # quoted: YAML takes a bare `no` or `1e3` for something else
+        f'  "{each.name}": [{_number(each.conductivity_s_per_m)}, "{each.enclosing}", "../stl/{each.name}.stl"]'
+        for each in tissues
     ]
     return "\n".join(["shells:", *rows]) + "\n"
 

@@ -12,7 +12,7 @@ MNE_LAYERS = (1, 3)
 
 
 def readme_text(tissues: Sequence[Tissue], report: Report) -> str:
-    """Plain text, lines of at most 100 characters."""
+    """Plain text, narrow enough for any editor."""
     outer, inner = tissues[0].name, tissues[-1].name
     return "\n".join(
         [
@@ -37,7 +37,7 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
         "Nested surfaces of a human model, in millimetres",
         "================================================",
         "",
-        f"Verdict: {report.verdict}. The proof is in report/report.html (open it in a browser) and report/report.json.",
+        f"Verdict: {report.verdict}. What was proven: report/report.html (for a browser) and report/report.json.",
         "",
         f"  {'tissue':<24} {'faces':>9} {'depth mm':>9} {'S/m':>8}  enclosed by",
         *rows,
@@ -47,7 +47,7 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
         "their sources are in manifest.json: check them against your protocol.",
         "",
         "  stl/NAME.stl       binary STL, float32",
-        "  mat/NAME.mat       P (vertices), t (faces, counted from 1), normals (outward, one per face), all double;",
+        "  mat/NAME.mat       P (vertices), t (faces, from 1), normals (outward, one per face), all double;",
         "                     the same vertices as the STL, bit for bit",
         "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
         "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
@@ -66,7 +66,7 @@ def _section(title: str, text: str, outer: str) -> str:
 
 def _mne_layers(count: int, outer: str, inner: str) -> str:
     here = f"this package has {count}, from {outer} to {inner}." if count in MNE_LAYERS else f"this package has {count}: choose."
-    return f"\nIts BEM takes one or three nested surfaces and warns above 10,000 vertices; {here}\n"
+    return f"\nIts BEM takes one or three nested surfaces and warns above 10,000 vertices;\n{here}\n"
 
 
 _MATLAB = """

@@ -60,7 +60,7 @@ def find_body_frame(mesh: Mesh) -> BodyFrame:
     extents = high - low
     asymmetry = _asymmetries(mesh.vertices)
     lengths = np.round(extents / max(float(extents.max()), SMALLEST_SIZE_MM), 2)
-    long_axes = [axis for axis in range(3) if lengths[axis] >= NEARLY_AS_LONG]
+    long_axes = [axis for axis in range(3) if extents[axis] >= NEARLY_AS_LONG * extents.max()]
     # a tie goes to z for the height and to x for the side, as most programs have it
     height = max(long_axes, key=lambda axis: (round(asymmetry[axis], 2), lengths[axis], axis))
     others = [axis for axis in range(3) if axis != height]

@@ -89,18 +89,18 @@ def cut(mesh: Mesh, plane: Plane) -> tuple[Contour, ...]:
 def _directed_segments(
     faces: NDArray[np.int64], above: NDArray[np.bool_], vertex_count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """For each crossed face the edge where it goes up and the edge where it goes down, as keys low·V + high."""
+    """For each crossed face the edge where its rim dips below and the one where it rises again, as keys low·V + high."""
     following = np.roll(faces, -1, axis=1)
     keys = np.minimum(faces, following) * vertex_count + np.maximum(faces, following)
     above_next = np.roll(above, -1, axis=1)
     rows = np.arange(len(faces))
     upward = np.argmax(~above & above_next, axis=1)
     downward = np.argmax(above & ~above_next, axis=1)
-    return keys[rows, upward], keys[rows, downward]
+    return keys[rows, downward], keys[rows, upward]
 
 
 def _chains(starts: NDArray[np.int64], ends: NDArray[np.int64], node_count: int) -> list[tuple[NDArray[np.int64], bool]]:
-    """Walk segments from end to start; open chains first, so that a loop is never entered in the middle of a chain."""
+    """Walk from segment to segment; open chains first, so that a loop is never entered in the middle of a chain."""
     leaving: list[list[int]] = [[] for _ in range(node_count)]
     for segment, node in enumerate(starts.tolist()):
         leaving[node].append(segment)

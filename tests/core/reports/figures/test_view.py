@@ -1,0 +1,82 @@
+"""The z-buffer against shapes whose picture is known, and against itself without the compiler."""
+
+import numpy as np
+import pytest
+
+from core.mesh import Mesh
+from core.reports.figures import view as view_module
+from core.reports.figures.view import NO_FACE, SAMPLES, Surface, View, look
+from subjects.body import body
+from tests.solids import cube, sphere, together
+
+
+def straight_down(half: float, pixels: int) -> View:
+    return View.of([1, 0, 0], [0, 1, 0], [-half, -half], [half, half], pixels)
+
+
+def test_a_sphere_covers_a_disc_and_is_nearest_in_its_middle():
+    raster = look(Surface.of(sphere(10.0, 5)), straight_down(12.5, 200))
+    per_mm = 200 * SAMPLES / 25.0
+    assert (raster.face != NO_FACE).sum() / per_mm**2 == pytest.approx(np.pi * 100, rel=5e-3)
+    assert raster.depth.max() == pytest.approx(10.0, abs=0.01)
+    assert np.unravel_index(raster.depth.argmax(), raster.depth.shape) == pytest.approx((200, 200), abs=3)
+
+
+def test_depth_is_exact_on_a_plane():
+    slope = Mesh.of([[-9, -9, -9], [9, -9, 9], [9, 9, 9], [-9, 9, -9]], [[0, 1, 2], [0, 2, 3]])
+    raster = look(Surface.of(slope), straight_down(5.0, 50))
+    columns = (np.arange(raster.depth.shape[1]) + 0.5) / (50 * SAMPLES / 10.0) - 5.0
+    np.testing.assert_allclose(raster.depth, np.broadcast_to(columns, raster.depth.shape), atol=1e-9)
+
+
+def test_the_nearer_shape_hides_the_other_and_its_places():
+    near, far = cube(2.0, at=(-1, -1, 5)), cube(4.0, at=(-2, -2, -4))
+    raster = look(Surface.of(together(far, near)), straight_down(3.0, 60))
+    centre = raster.face[60, 60]
+    assert centre >= len(far.faces)
+    places = np.array([[0.0, 0.0, 0.0], [1.5, 1.5, 0.0], [0.0, 0.0, 7.0], [99.0, 0.0, 0.0]])
+    assert raster.sees(places, slack_mm=0.1).tolist() == [False, True, True, False]
+    assert raster.sees(places[:1], slack_mm=8.0).tolist() == [True]
+
+
+def test_paint_shows_the_colours_of_the_faces_on_white():
+    mesh = sphere(10.0, 4)
+    colours = np.where((mesh.triangles().mean(axis=1)[:, 0] < 0)[:, None], [200, 0, 0], [0, 0, 200]).astype(np.uint8)
+    picture = look(Surface.of(mesh), straight_down(12.5, 100)).paint(colours)
+    assert picture.shape == (100, 100, 3)
+    assert picture[0, 0].tolist() == [255, 255, 255]
+    left, right = picture[50, 30], picture[50, 70]
+    assert left[0] > 80
+    assert left[2] == 0
+    assert right[2] > 80
+    assert right[0] == 0
+
+
+def test_compiled_and_plain_kernels_agree():
+    mesh = sphere(10.0, 2)
+    raster = look(Surface.of(mesh), straight_down(12.5, 20))
+    face, depth = np.full_like(raster.face, NO_FACE), np.full_like(raster.depth, -np.inf)
+    view_module._draw_faces.py_func(raster.projected, mesh.faces, 1, face, depth)
+    np.testing.assert_array_equal(face, raster.face)
+    np.testing.assert_array_equal(depth, raster.depth)
+    colours = np.arange(len(mesh.faces) * 3, dtype=np.uint8).reshape(-1, 3)
+    brightness, picture = np.linspace(0.4, 1.0, len(mesh.vertices)), np.empty((20, 20, 3), dtype=np.uint8)
+    compiled = picture.copy()
+    arguments = (raster.projected, mesh.faces, brightness, face, depth, 8.0, colours)
+    view_module._paint.py_func(*arguments, picture)
+    view_module._paint(*arguments, compiled)
+    np.testing.assert_array_equal(picture, compiled)
+
+
+def test_a_body_is_drawn_whole_and_a_soup_of_huge_faces_is_thinned():
+    skin = body(0)
+    low, high = skin.vertices.min(axis=0)[:2], skin.vertices.max(axis=0)[:2]
+    whole = View.of([1, 0, 0], [0, 1, 0], low, high, 1000)
+
+    def stride(mesh):
+        raster = look(Surface.of(mesh), whole)
+        return view_module._stride(raster.projected, mesh.faces, raster.face.shape)
+
+    assert stride(skin) == 1
+    random = np.random.default_rng(5)
+    assert stride(Mesh.of(random.normal(size=(300, 3)) * 400, random.integers(0, 300, (4000, 3)))) > 5
