@@ -71,7 +71,7 @@ def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: 
     row.status, row.attempt, row.phase, row.progress, row.message = JobStatus.ACCEPTED, attempt, "", 0.0, message
     row.lease_owner = row.lease_until = row.rung_at = row.finished_at = row.started_at = None
     row.failure = row.verdict = row.summary = row.peak_memory_bytes = None
-    row.dismiss_requested, row.timings_s, row.queued_at = False, {}, now
+    row.timings_s, row.queued_at = {}, now
     row.outputs.clear()
     announce(session, row, now)
 
