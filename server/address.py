@@ -24,5 +24,6 @@ def choose_port(host: str, port: int) -> int:
 
 
 def base_url(host: str, port: int) -> str:
-    """The URL of the API on this machine."""
+    """The URL of the API for clients on this machine."""
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)  # noqa: S104 - nothing is bound here
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"

@@ -6,13 +6,13 @@ import os
 import sys
 import time
 from collections.abc import Callable, Mapping
-from http.client import HTTPConnection, HTTPException
 
-from core.errors import InternalError
+from core.errors import IntegumentError, InternalError
 from server.address import base_url
 from server.data_folder import DataFolder
 from server.log_file import LogFile
 from server.part import Part, Program
+from server.readiness import ask_api
 from server.stop_signals import StopSignals
 from server.supervisor import Supervisor
 from server.valkey import answers, set_aside_append_only, valkey_program
@@ -25,9 +25,8 @@ WORKER_COMMAND = ("-m", "worker")
 API_GRACE_S = 10.0
 WORKER_GRACE_S = 10.0  # beyond the time its jobs have to end
 VALKEY_START_S = 20.0
-API_START_S = 60.0
+API_START_S = 80.0
 LOOK_S = 0.05  # between two looks at a part that is starting
-PROBE_S = 5.0
 
 Announce = Callable[[str], None]
 
@@ -64,28 +63,33 @@ class Embedded:
 
     def _start(self) -> None:
         self._supervisor.start(self._valkey)
-        if not self._comes_up(self._valkey, lambda: answers(self._folder.socket_path), VALKEY_START_S):
+        if not self._comes_up(self._valkey, self._ask_valkey, VALKEY_START_S):
             return
         self._valkey_answered = True
         self._database.migrate()
         Jobs(self._database).expire_all_leases()  # we hold the folder: whoever worked here is dead
         self._supervisor.start(self._worker)
         self._supervisor.start(self._api)
-        if self._comes_up(self._api, lambda: _is_ready(self._settings.host, self._settings.port), API_START_S):
+        if self._comes_up(self._api, lambda: ask_api(self._settings.host, self._settings.port), API_START_S):
             url = base_url(self._settings.host, self._settings.port)
             self._folder.publish(url)
             self._announce(f"Integument answers at {url} (data in {self._folder.path}; Ctrl-C stops it).")
 
-    def _comes_up(self, part: Part, is_up: Callable[[], bool], limit_s: float) -> bool:
-        """False: we are asked to stop before. Raises: InternalError `server.part_not_ready`."""
+    def _ask_valkey(self) -> str | None:
+        return None if answers(self._folder.socket_path) else "no answer to PING"
+
+    def _comes_up(self, part: Part, ask: Callable[[], str | None], limit_s: float) -> bool:
+        """False: we are asked to stop before. `ask` says what is missing. Raises: InternalError `server.part_not_ready`."""
         deadline = time.monotonic() + limit_s
         while not self._supervisor.run(LOOK_S):
-            if is_up():
+            missing = ask()
+            if missing is None:
                 return True
             if time.monotonic() > deadline:
                 raise InternalError(
                     "server.part_not_ready",
-                    f"The {part.name} did not answer within {limit_s:.0f} s. The end of {part.log.path}:\n{part.log.tail()}",
+                    f"The {part.name} was not ready within {limit_s:.0f} s: {missing}. "
+                    f"The end of {part.log.path}:\n{part.log.tail()}",
                     part=part.name,
                     limit_s=limit_s,
                 )
@@ -93,23 +97,19 @@ class Embedded:
 
     def _after_crash(self, part: Part) -> None:
         if part is self._worker:
-            Jobs(self._database).expire_all_leases()  # there is no other worker here; nobody needs to wait for the leases
+            self._take_jobs_back()
         elif part is self._valkey and not self._valkey_answered and (aside := set_aside_append_only(self._folder.valkey)):
             self._announce(f"Valkey cannot read its append-only file; it is set aside as {aside} and the queue rebuilt.")
+
+    def _take_jobs_back(self) -> None:
+        """There is no other worker here, so nobody needs to wait for the leases of the dead one."""
+        try:
+            Jobs(self._database).expire_all_leases()
+        except IntegumentError as error:
+            self._announce(f"The jobs of the lost worker go on when their leases end: {error.message}")
 
 
 def _python_program(
     name: str, command: tuple[str, ...], environment: Mapping[str, str], grace_s: float, folder: DataFolder
 ) -> Program:
     return Program(name, (sys.executable, *command), environment, grace_s, str(folder.path))
-
-
-def _is_ready(host: str, port: int) -> bool:
-    connection = HTTPConnection(host, port, timeout=PROBE_S)
-    try:
-        connection.request("GET", "/readyz")
-        return connection.getresponse().status == 200
-    except (OSError, HTTPException):  # nobody listens yet
-        return False
-    finally:
-        connection.close()

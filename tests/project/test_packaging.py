@@ -1,12 +1,13 @@
 """Licence, metadata and lock file agree."""
 
 import tomllib
-from importlib.metadata import metadata
+from importlib.metadata import entry_points, metadata
 from typing import Any
 
 import pytest
 from packaging.requirements import Requirement
 
+from server.serve import serve
 from tests.project.sources import ROOT
 
 LICENCE = "AGPL-3.0-or-later"
@@ -51,3 +52,8 @@ def _flat(groups: dict[str, list[Any]], name: str) -> list[str]:
 
 def _plain(requirement: Requirement) -> tuple[str, str]:
     return requirement.name.lower().replace("_", "-"), str(requirement.specifier)
+
+
+def test_client_finds_the_server_installed_beside_it() -> None:
+    (entry,) = entry_points(group="integument.server", name="serve")
+    assert entry.load() is serve

@@ -26,3 +26,5 @@ def test_port_in_use_is_named() -> None:
 def test_urls_of_both_families() -> None:
     assert base_url("127.0.0.1", 8000) == "http://127.0.0.1:8000"
     assert base_url("::1", 8000) == "http://[::1]:8000"
+    assert base_url("0.0.0.0", 8000) == "http://127.0.0.1:8000"
+    assert base_url("::", 8000) == "http://[::1]:8000"
