@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.geometry.distance import closest_points_in
 from core.geometry.face_tree import FaceTree
-from core.geometry.normals import face_crosses, vertex_normals
+from core.geometry.normals import face_crosses
 from core.geometry.quality import quality
 from core.mesh import Faces, Vertices
 from core.run import RunContext
@@ -32,6 +32,7 @@ class Pace:
     smoothing: float = 0.3  # share of the way to the middle of the neighbours, along the surface
     step_mm: float = 0.15  # furthest correction of the depth in one round
     rounds: int = 20
+    patience: int = 3  # refusals in a row after which a vertex rests until edges change
     depth_tolerance: float = 0.02  # relative; corrected further while outside
     poor_quality: float = 0.25  # q below which a face's corners are smoothed
     least_quality: float = 0.05  # no step may take q below this, or lower where it is below
@@ -65,15 +66,35 @@ def advance(start: Sheet, goal: Vertices, depth_mm: Floats, around: Surroundings
     Source: thesis Eq. (4.1) and 5.2 (move, check, repair locally), with the check inside the loop.
     """
     surface = MovingSurface(start.vertices, start.net.faces)
-    sheet = start.at(_jump(start, goal, surface, around.clearance, pace))
+    state = _State.of(start.at(_jump(start, goal, surface, around.clearance, pace)), surface, depth_mm, around)
     for count in range(pace.rounds):
         if count % pace.reconnect_every == pace.reconnect_every - 1:
-            sheet, surface, _changed = reconnect(sheet, surface, around.clearance, pace.remedy)
-        sheet, wanting, moved = _improve(sheet, depth_mm[sheet.origin], surface, around, pace)
+            sheet, surface, changed = reconnect(state.sheet, state.surface, around.clearance, pace.remedy)
+            state = _State.of(sheet, surface, depth_mm, around) if changed else state
+        wanting, moved = _improve(state, around, pace)
         run.advance((count + 1) / pace.rounds, f"round {count + 1}: {wanting} vertices off depth or shape, {moved} moved")
         if moved == 0:
             break
-    return sheet
+    return state.sheet
+
+
+@dataclass(slots=True)
+class _State:
+    """A sheet on its way. Rows per vertex: wanted_mm and depth_mm below the skin, refusals in a row. shape: q per face."""
+
+    sheet: Sheet
+    surface: MovingSurface
+    wanted_mm: Floats
+    depth_mm: Floats
+    shape: Floats
+    refused: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, sheet: Sheet, surface: MovingSurface, depth_mm: Floats, around: Surroundings) -> _State:
+        """Measure everything anew; depth_mm: (V,) wanted below each skin vertex."""
+        depth, _away = around.depth(sheet.vertices)
+        shape = quality(sheet.vertices, sheet.net.faces)
+        return cls(sheet, surface, depth_mm[sheet.origin], depth, shape, np.zeros(sheet.net.vertex_count, dtype=np.int64))
 
 
 def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clearance, pace: Pace) -> Vertices:
@@ -99,44 +120,54 @@ def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clear
     return start.vertices
 
 
-def _improve(sheet: Sheet, depth_mm: Floats, surface: MovingSurface, around: Surroundings, pace: Pace) -> tuple[Sheet, int, int]:
-    """One round of smoothing and depth correction where wanted; returns the sheet, how many vertices wanted it and moved."""
-    net, vertices = sheet.net, sheet.vertices
-    depth, away = around.depth(vertices)
-    before = quality(vertices, net.faces)
-    poor = net.grown(net.corners_of(np.flatnonzero(before < pace.poor_quality)))
-    wanting = net.grown(np.abs(depth - depth_mm) > pace.depth_tolerance * depth_mm) | poor
+def _improve(state: _State, around: Surroundings, pace: Pace) -> tuple[int, int]:
+    """One round of smoothing and depth correction where wanted; returns how many vertices wanted it and how many moved."""
+    net, vertices = state.sheet.net, state.sheet.vertices
+    patient = state.refused < pace.patience
+    poor = net.grown(net.corners_of(np.flatnonzero(state.shape < pace.poor_quality)))
+    off = net.grown(np.abs(state.depth_mm - state.wanted_mm) > pace.depth_tolerance * state.wanted_mm)
+    wanting = (off | poor) & patient
     chosen = np.flatnonzero(wanting)
     if len(chosen) == 0:
-        return sheet, 0, 0
+        return 0, 0
+    faces = net.faces_of(wanting)
     proposal = vertices.copy()
-    normals = vertex_normals(vertices, net.faces, "area")
-    smoothed = np.flatnonzero(poor)
-    _smooth(vertices, normals, net.neighbours.start, net.neighbours.values, smoothed, pace.smoothing, proposal)
+    _smooth(
+        vertices, net.faces, net.faces_around.start, net.faces_around.values, net.neighbours.values,
+        np.flatnonzero(poor & patient), pace.smoothing, proposal,
+    )  # fmt: skip
     depth, away = around.depth(proposal[chosen])
-    correction = np.clip(depth_mm[chosen] - depth, -pace.step_mm, pace.step_mm)
+    correction = np.clip(state.wanted_mm[chosen] - depth, -pace.step_mm, pace.step_mm)
     proposal[chosen] += correction[:, None] * away
-    moved = _accept(sheet, proposal, wanting, before, surface, around.clearance, pace)
-    return sheet.at(proposal), len(chosen), moved
+    moving = _accept(state, proposal, wanting, faces, around.clearance, pace)
+
+    moved = np.flatnonzero(moving)
+    state.sheet = state.sheet.at(proposal)
+    state.depth_mm[moved] = around.depth(proposal[moved])[0]
+    state.shape[faces] = quality(proposal, net.faces[faces])
+    state.refused[moved] = 0
+    state.refused[wanting & ~moving] += 1
+    return len(chosen), len(moved)
 
 
 def _accept(
-    sheet: Sheet, proposal: Vertices, moving: Flags, before: Floats, surface: MovingSurface, clearance: Clearance, pace: Pace
-) -> int:
-    """Take back moves in `proposal`, in place, until it keeps clearance and quality; returns how many vertices moved.
+    state: _State, proposal: Vertices, moving: Flags, asked: NDArray[np.int64], clearance: Clearance, pace: Pace
+) -> Flags:
+    """Take back moves in `proposal`, in place, until it keeps clearance and quality; returns which vertices (N,) moved.
 
-    Ends because every pass takes at least one vertex back, and with all taken back the proposal is the state before.
+    asked: faces around the moving vertices. Ends because every pass takes at least one vertex back, and with all taken back
+    the proposal is the state before.
     """
-    net = sheet.net
+    net = state.sheet.net
     moving = moving.copy()
-    asked = net.faces_of(moving)
+    least = np.minimum(state.shape, pace.least_quality) * (1 - 1e-9)
     while True:
-        spoiled = quality(proposal, net.faces[asked]) < np.minimum(before[asked], pace.least_quality) * (1 - 1e-9)
-        broken = np.union1d(surface.find_crowded(proposal, asked, clearance), asked[spoiled])
+        spoiled = quality(proposal, net.faces[asked]) < least[asked]
+        broken = np.union1d(state.surface.find_crowded(proposal, asked, clearance), asked[spoiled])
         if len(broken) == 0:
-            return int(moving.sum())
+            return moving
         back = net.corners_of(broken) & moving
-        proposal[back] = sheet.vertices[back]
+        proposal[back] = state.sheet.vertices[back]
         moving &= ~back
         asked = net.faces_of(back)
 
@@ -150,9 +181,10 @@ def _is_turned(start: Vertices, vertices: Vertices, faces: Faces) -> Flags:
 @njit(cache=True, nogil=True)
 def _smooth(
     vertices: Floats,
-    normals: Floats,
+    faces: Faces,
     start: NDArray[np.int64],
-    values: NDArray[np.int32],
+    around: NDArray[np.int32],
+    neighbours: NDArray[np.int32],
     chosen: NDArray[np.int64],
     share: float,
     out: Floats,
@@ -160,13 +192,18 @@ def _smooth(
     """Move chosen vertices by a share of the way to the mean of their neighbours, along the surface; out (V, 3)."""
     for vertex in chosen:
         x, y, z = 0.0, 0.0, 0.0
+        nx, ny, nz = 0.0, 0.0, 0.0
         for i in range(start[vertex], start[vertex + 1]):
-            other = values[i]
+            other = neighbours[i]
             x, y, z = x + vertices[other, 0], y + vertices[other, 1], z + vertices[other, 2]
+            a, b, c = faces[around[i], 0], faces[around[i], 1], faces[around[i], 2]
+            ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
+            vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
+            nx, ny, nz = nx + uy * vz - uz * vy, ny + uz * vx - ux * vz, nz + ux * vy - uy * vx
         count = start[vertex + 1] - start[vertex]
         x, y, z = x / count - vertices[vertex, 0], y / count - vertices[vertex, 1], z / count - vertices[vertex, 2]
-        nx, ny, nz = normals[vertex, 0], normals[vertex, 1], normals[vertex, 2]
-        along = x * nx + y * ny + z * nz
+        length = nx * nx + ny * ny + nz * nz
+        along = (x * nx + y * ny + z * nz) / length if length > 0.0 else 0.0
         out[vertex, 0] = vertices[vertex, 0] + share * (x - along * nx)
         out[vertex, 1] = vertices[vertex, 1] + share * (y - along * ny)
         out[vertex, 2] = vertices[vertex, 2] + share * (z - along * nz)

@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NEIGHBOUR_SHARE = 0.02  # faces that meet in one corner keep this share of their shortest side apart
+FACES_PER_LEAF = 2
 FOLD_COSINE = 0.9986  # neighbours across an edge must open by more than 3 degrees
 
 
@@ -34,16 +35,23 @@ class Clearance:
 class MovingSurface:
     """A surface whose vertices move; the tree over its faces is cut once and only corners and boxes follow."""
 
-    def __init__(self, vertices: Vertices, faces: Faces) -> None:
-        """Cut the tree over the surface as it is now: vertices (V, 3) mm, faces (F, 3)."""
-        tree = FaceTree.of(vertices, faces)
-        self._face = tree.face
-        self._ids = np.ascontiguousarray(faces[tree.face])
-        self._corners = tree.corners
-        self._boxes = tree.boxes
-        self._leaves = tree.leaves
+    def __init__(self, vertices: Vertices, faces: Faces, order: Ints | None = None) -> None:
+        """Cut the tree over the surface as it is now: vertices (V, 3) mm, faces (F, 3); or take the order of a cut (F,)."""
+        self._face = FaceTree.of(vertices, faces).face if order is None else order
+        self._ids = np.ascontiguousarray(faces[self._face])
         self._place = np.empty(len(faces), dtype=np.int64)
-        self._place[tree.face] = np.arange(len(faces))
+        self._place[self._face] = np.arange(len(faces))
+        self._leaves = 1 << max(0, (len(faces) // FACES_PER_LEAF - 1).bit_length())
+        self._corners = np.empty((len(faces), 3, 3))
+        self._boxes = np.empty((2 * self._leaves - 1, 6))
+        _follow(vertices, self._ids, np.arange(len(faces)), self._corners, self._boxes, self._leaves)
+
+    def edited(self, vertices: Vertices, faces: Faces, former: Ints) -> MovingSurface:
+        """The tree of a surface most of whose faces are still there; former (G,): the old number of each face."""
+        number = np.full(len(self._face), -1, dtype=np.int64)
+        number[former] = np.arange(len(former))
+        order = number[self._face]
+        return MovingSurface(vertices, faces, order[order >= 0])
 
     def find_crowded(self, vertices: Vertices, moved: Ints, clearance: Clearance) -> Ints:
         """Faces that break the clearance in a pair with one of the `moved` faces (M,); sorted face numbers.

@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 LONGEST_SHIFT = 4.0  # at a needle's tip the movement that shifts all faces by 1 grows without bound
 MOST_FACES = 64
 ROUNDS = 300
+FLAT_COSINE = 0.995  # where all normals are this near their mean, its direction is the answer to half a percent
 SETTLED = 1e-5  # a round that changes no weight by more is the last
 
 
@@ -37,6 +38,10 @@ def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32],
     weight = np.empty(MOST_FACES)
     for vertex in range(len(start) - 1):
         count = min(start[vertex + 1] - start[vertex], MOST_FACES)
+        x, y, z, steepest = _along_mean(normals, values, start[vertex], count)
+        if steepest > FLAT_COSINE:
+            shift[vertex, 0], shift[vertex, 1], shift[vertex, 2] = -x / steepest, -y / steepest, -z / steepest
+            continue
         weight[:count] = 0.0
         x, y, z = 0.0, 0.0, 0.0
         for _ in range(ROUNDS):
@@ -57,3 +62,20 @@ def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32],
         length = np.sqrt(x * x + y * y + z * z)
         scale = LONGEST_SHIFT / length if length > LONGEST_SHIFT else 1.0
         shift[vertex, 0], shift[vertex, 1], shift[vertex, 2] = scale * x, scale * y, scale * z
+
+
+@njit(cache=True, nogil=True)
+def _along_mean(normals: Floats, values: NDArray[np.int32], first: int, count: int) -> tuple[float, float, float, float]:
+    """Unit mean of the normals of some faces, and its smallest product with one of them; -1 if they cancel out."""
+    x, y, z = 0.0, 0.0, 0.0
+    for i in range(first, first + count):
+        face = values[i]
+        x, y, z = x + normals[face, 0], y + normals[face, 1], z + normals[face, 2]
+    length = np.sqrt(x * x + y * y + z * z)
+    if length == 0.0:
+        return 0.0, 0.0, 0.0, -1.0
+    x, y, z, steepest = x / length, y / length, z / length, 1.0
+    for i in range(first, first + count):
+        face = values[i]
+        steepest = min(steepest, x * normals[face, 0] + y * normals[face, 1] + z * normals[face, 2])
+    return x, y, z, steepest

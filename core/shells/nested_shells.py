@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import InputError
-from core.geometry.adjacency import edges, vertex_faces, vertex_neighbours
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import vertex_normals
 from core.mesh import Mesh
@@ -56,10 +55,10 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     """
     run.stage("shells: depth field", 0.0, 0.05)
     targets = target_depths(skin.vertices, inputs.layers, inputs.regions)
-    neighbours = vertex_neighbours(edges(skin.faces).ends, len(skin.vertices))
+    whole = Sheet.copy_of(skin.vertices, skin.faces)
     normals = vertex_normals(skin.vertices, skin.faces, "area")
     reach = measure_reach(skin.vertices, normals, largest_mm=2.0 * float(targets.max()) / REACH_SHARE)
-    usable = limit_slope(REACH_SHARE * reach, skin.vertices, neighbours, SLOPE)
+    usable = limit_slope(REACH_SHARE * reach, skin.vertices, whole.net.neighbours, SLOPE)
     allowed = np.minimum(targets, usable)
     _require_reachable(skin, inputs, targets, usable)
     if inputs.thin_policy == "fail":
@@ -68,12 +67,13 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     own = min(OWN_CLEARANCE_MM, inputs.min_gap_mm)
     gap = inputs.min_gap_mm + ROUNDING_MM
     names = tuple(layer.name for layer in inputs.layers)
-    stack = thinnest_stack(skin, names, gap, own, run.stage("shells: thinnest stack", 0.05, 0.1))
-    return _place_layers(skin, inputs, targets, allowed, stack, Clearance(gap, own, ()), run)
+    stack = thinnest_stack(skin, whole, names, gap, own, run.stage("shells: thinnest stack", 0.05, 0.1))
+    return _place_layers(skin, whole, inputs, targets, allowed, stack, Clearance(gap, own, ()), run)
 
 
 def _place_layers(
     skin: Mesh,
+    whole: Sheet,
     inputs: ShellsInputs,
     targets: Floats,
     allowed: Floats,
@@ -82,7 +82,7 @@ def _place_layers(
     run: RunContext,
 ) -> tuple[Shell, ...]:
     """Deepest layer first, each between the thinnest form of the one outside it and the finished one inside it."""
-    shift = inward_shift(skin.vertices, skin.faces, vertex_faces(skin.faces, len(skin.vertices)))
+    shift = inward_shift(skin.vertices, skin.faces, whole.net.faces_around)
     tree = FaceTree.of(skin.vertices, skin.faces)
     shells: list[Shell] = []
     inner: tuple[Mesh, Floats] | None = None

@@ -29,9 +29,13 @@ class Remedy:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Change:
-    """A sheet after a batch of edits: the faces that are new (K,), and the candidate behind each (K,)."""
+    """A sheet after a batch of edits: the faces that are new (K,), and the candidate behind each (K,).
+
+    former: (F,) the number each face had before.
+    """
 
     sheet: Sheet
+    former: Ints
     faces: Ints
     candidate: Ints
 
@@ -48,13 +52,13 @@ def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy
     caps = caps[np.argsort(shape[caps], kind="stable")]
     # side i of side_lengths lies opposite corner i, so it begins at corner i + 1
     begins = (np.argmax(sides[caps], axis=1) + 1) % 3
-    flipped = _in_batches(len(caps), sheet, clearance, lambda allowed: _flip(sheet, caps, begins, allowed))
+    flipped = _in_batches(len(caps), surface, clearance, lambda allowed: _flip(sheet, caps, begins, allowed))
     if flipped is not None:
         sheet, surface = flipped[0], flipped[1]
 
     after_flips = sheet
     edges = _needles(after_flips, remedy.collapse_below)
-    collapsed = _in_batches(len(edges), sheet, clearance, lambda allowed: _collapse(after_flips, edges, allowed, strict=True))
+    collapsed = _in_batches(len(edges), surface, clearance, lambda allowed: _collapse(after_flips, edges, allowed, strict=True))
     if collapsed is not None:
         sheet, surface = collapsed[0], collapsed[1]
     return sheet, surface, sum(result[2] for result in (flipped, collapsed) if result is not None)
@@ -86,7 +90,7 @@ def _needles(sheet: Sheet, below: float) -> Ints:
 
 
 def _in_batches(
-    count: int, sheet: Sheet, clearance: Clearance, edit: Callable[[Flags], _Change | None]
+    count: int, surface: MovingSurface, clearance: Clearance, edit: Callable[[Flags], _Change | None]
 ) -> tuple[Sheet, MovingSurface, int] | None:
     """Apply all candidates that `edit` can combine; drop those that crowd and try again. None if nothing could be done."""
     allowed = np.ones(count, dtype=np.bool_)
@@ -94,10 +98,10 @@ def _in_batches(
         change = edit(allowed) if allowed.any() else None
         if change is None:
             return None
-        surface = MovingSurface(change.sheet.vertices, change.sheet.net.faces)
-        crowded = surface.find_crowded(change.sheet.vertices, change.faces, clearance)
+        edited = surface.edited(change.sheet.vertices, change.sheet.net.faces, change.former)
+        crowded = edited.find_crowded(change.sheet.vertices, change.faces, clearance)
         if len(crowded) == 0:
-            return change.sheet, surface, len(np.unique(change.candidate))
+            return change.sheet, edited, len(np.unique(change.candidate))
         guilty = change.sheet.net.corners_of(crowded)[change.sheet.net.faces[change.faces]].any(axis=1)
         allowed[change.candidate[guilty]] = False
     return None
@@ -120,7 +124,8 @@ def _flip(sheet: Sheet, faces: Ints, begins: Ints, allowed: Flags) -> _Change | 
     flipped[first] = np.column_stack((u, opposite, tip))
     flipped[second] = np.column_stack((opposite, v, tip))
     changed = replace(sheet, net=Connectivity.of(flipped, net.vertex_count))
-    return _Change(changed, np.concatenate((first, second)), np.concatenate((chosen, chosen)))
+    same = np.arange(len(net.faces))
+    return _Change(changed, same, np.concatenate((first, second)), np.concatenate((chosen, chosen)))
 
 
 def _collapse(sheet: Sheet, edges: Ints, allowed: Flags, *, strict: bool) -> _Change | None:
@@ -134,10 +139,10 @@ def _collapse(sheet: Sheet, edges: Ints, allowed: Flags, *, strict: bool) -> _Ch
     if len(number) == 0:
         return None
     gone, kept = edges[number, 1], edges[number, 0]
-    merged = sheet.merged(gone, kept, 0.5 * (sheet.vertices[gone] + sheet.vertices[kept]))
+    merged, former = sheet.merged(gone, kept, 0.5 * (sheet.vertices[gone] + sheet.vertices[kept]))
     # a vertex's stand-in tells where the kept one went
     candidate_at = np.full(merged.net.vertex_count, -1, dtype=np.int64)
     candidate_at[merged.stand_in[sheet.origin[kept]]] = number
     candidate_of_face = candidate_at[merged.net.faces].max(axis=1)
     faces = np.flatnonzero(candidate_of_face >= 0)
-    return _Change(merged, faces, candidate_of_face[faces])
+    return _Change(merged, former, faces, candidate_of_face[faces])

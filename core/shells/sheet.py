@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from core.geometry.adjacency import Rows, edges, vertex_faces, vertex_neighbours
+from core.geometry.adjacency import Rows
 from core.mesh import Faces, Vertices
 
 Flags = NDArray[np.bool_]
@@ -16,7 +17,11 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Connectivity:
-    """Which vertices and faces touch. faces: (F, 3). faces_around, neighbours: one list per vertex."""
+    """Which vertices and faces of a closed oriented manifold touch.
+
+    faces: (F, 3). faces_around, neighbours: one list per vertex, equally long: the i-th neighbour follows the vertex in its
+    i-th face.
+    """
 
     faces: Faces
     vertex_count: int
@@ -25,13 +30,18 @@ class Connectivity:
 
     @classmethod
     def of(cls, faces: Faces, vertex_count: int) -> Connectivity:
-        """O(F log F)."""
-        around = vertex_faces(faces, vertex_count)
-        return cls(faces, vertex_count, around, vertex_neighbours(edges(faces).ends, vertex_count))
+        """O(F)."""
+        start = np.zeros(vertex_count + 1, dtype=np.int64)
+        np.cumsum(np.bincount(faces.ravel(), minlength=vertex_count), out=start[1:])
+        around, neighbours = np.empty(3 * len(faces), np.int32), np.empty(3 * len(faces), np.int32)
+        _list(faces, start[:-1].copy(), around, neighbours)
+        return cls(faces, vertex_count, Rows(start, around), Rows(start, neighbours))
 
     def faces_of(self, vertices: Flags) -> Ints:
         """Numbers of the faces with a corner among the vertices (V,)."""
-        return np.flatnonzero(vertices[self.faces].any(axis=1))
+        found = np.zeros(len(self.faces), dtype=np.bool_)
+        _mark_around(self.faces_around.start, self.faces_around.values, np.flatnonzero(vertices), found)
+        return np.flatnonzero(found)
 
     def corners_of(self, faces: Ints) -> Flags:
         """The vertices of some faces, as flags (V,)."""
@@ -41,7 +51,28 @@ class Connectivity:
 
     def grown(self, vertices: Flags) -> Flags:
         """The vertices and their neighbours."""
-        return self.corners_of(self.faces_of(vertices)) if vertices.any() else vertices
+        grown = vertices.copy()
+        _mark_around(self.neighbours.start, self.neighbours.values, np.flatnonzero(vertices), grown)
+        return grown
+
+
+@njit(cache=True, nogil=True)
+def _list(faces: Faces, free: Ints, around: NDArray[np.int32], neighbours: NDArray[np.int32]) -> None:
+    """Fill the lists; free (V,): where the next entry of each vertex goes, used up."""
+    for face in range(len(faces)):
+        for corner in range(3):
+            vertex = faces[face, corner]
+            around[free[vertex]] = face
+            neighbours[free[vertex]] = faces[face, (corner + 1) % 3]
+            free[vertex] += 1
+
+
+@njit(cache=True, nogil=True)
+def _mark_around(start: Ints, values: NDArray[np.int32], vertices: Ints, found: Flags) -> None:
+    """Mark everything in the lists of some vertices."""
+    for vertex in vertices:
+        for i in range(start[vertex], start[vertex + 1]):
+            found[values[i]] = True
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,10 +98,11 @@ class Sheet:
         """The same connectivity elsewhere."""
         return replace(self, vertices=vertices)
 
-    def merged(self, gone: Ints, kept: Ints, places: Vertices) -> Sheet:
+    def merged(self, gone: Ints, kept: Ints, places: Vertices) -> tuple[Sheet, Ints]:
         """Edges (gone[i], kept[i]) collapsed, no two of them in touch; the kept vertices stand at `places` (K, 3).
 
         Every edge must have passed the link condition, so the surface stays a closed manifold of the same genus.
+        Returns the sheet and the old number of each of its faces.
         """
         target = np.arange(self.net.vertex_count)
         target[gone] = kept
@@ -81,9 +113,10 @@ class Sheet:
         number = np.cumsum(alive) - 1
         vertices = self.vertices.copy()
         vertices[kept] = places
-        return Sheet(
+        merged = Sheet(
             vertices[alive],
             Connectivity.of(number[faces[whole]].astype(np.int32), int(alive.sum())),
             self.origin[alive],
             number[target[self.stand_in]],
         )
+        return merged, np.flatnonzero(whole)

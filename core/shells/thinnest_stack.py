@@ -20,7 +20,9 @@ HARDER = 1.25  # where that is not enough
 ATTEMPTS = 40
 
 
-def thinnest_stack(skin: Mesh, names: tuple[str, ...], gap_mm: float, own_mm: float, run: RunContext) -> tuple[Sheet, ...]:
+def thinnest_stack(
+    skin: Mesh, whole: Sheet, names: tuple[str, ...], gap_mm: float, own_mm: float, run: RunContext
+) -> tuple[Sheet, ...]:
     """One sheet per layer, outermost first, each just below the one before.
 
     Where a crease compresses a sheet until its faces crowd each other, edges are collapsed; where it comes too near the
@@ -28,7 +30,7 @@ def thinnest_stack(skin: Mesh, names: tuple[str, ...], gap_mm: float, own_mm: fl
     Raises: InputError `shells.no_room` with the places, if that does not end.
     """
     stack = []
-    outer = Sheet.copy_of(skin.vertices, skin.faces)
+    outer = whole
     for count, name in enumerate(names):
         outer = _next_sheet(skin, outer, name, gap_mm, own_mm)
         stack.append(outer)
