@@ -26,7 +26,15 @@ def sweep_incoming(incoming: Path, older_than_s: float) -> int:
     incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
     before, swept = time.time() - older_than_s, 0
     for folder in incoming.iterdir():
-        if max((path.stat().st_mtime for path in (folder, *folder.rglob("*"))), default=0.0) < before:
+        if _last_write(folder) < before:
             shutil.rmtree(folder, ignore_errors=True)
             swept += 1
     return swept
+
+
+def _last_write(folder: Path) -> float:
+    """When anything in it was last written to; now, if it vanishes under our eyes: its owner is at work."""
+    try:
+        return max(path.stat().st_mtime for path in (folder, *folder.rglob("*")))
+    except FileNotFoundError:
+        return time.time()

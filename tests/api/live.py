@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import threading
 import time
@@ -105,8 +106,9 @@ class Live:
         return self.incoming() == []
 
     def incoming(self) -> list[Path]:
-        """What lies where uploads come in."""
-        return sorted(self.services.incoming_dir.rglob("*"))
+        """What lies where uploads come in; it may be on its way out while we look."""
+        walked = os.walk(self.services.incoming_dir)
+        return sorted(Path(folder) / name for folder, folders, files in walked for name in (*folders, *files))
 
 
 @contextmanager
