@@ -14,7 +14,7 @@ from core.mesh import Mesh
 from core.package.build import build_package
 from core.package.conductivity import conductivity_of
 from core.package.read import read_shells
-from core.package.tissue import Tissue
+from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.software import software_versions
@@ -72,10 +72,10 @@ def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
     figures = draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings)
     run.stage("package", 0.94, 1.0)
     package = out_dir / "package.zip"
-    build_package(package, tissues, report, figures)
+    packed = build_package(package, tissues, report, figures)
     _require_unchanged(package, delivered)
     return Outcome(
-        report,
+        packed,
         figures,
         (
             OutputFile("package", Path(package.name), "application/zip", package.name),
@@ -152,5 +152,5 @@ def _require_unchanged(package: Path, delivered: Mapping[str, Mesh]) -> None:
 
 def _tissues(inputs: ShellsInputs, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
     depths = {layer.name: layer.depth_mm for layer in inputs.layers}
-    enclosing = dict(zip(surfaces, ("FreeSpace", *surfaces), strict=False))
+    enclosing = dict(zip(surfaces, (FREE_SPACE, *surfaces), strict=False))
     return tuple(Tissue(name, mesh, depths.get(name), conductivity_of(name), enclosing[name]) for name, mesh in surfaces.items())
