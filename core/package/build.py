@@ -43,7 +43,7 @@ def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, fig
         _write_text(folder / "report" / "report.json", packed.model_dump_json(indent=2) + "\n")
         _write_text(folder / "report" / "report.html", render_html(packed, figures))
         for figure in figures:
-            _parent_of(folder / "figures" / f"{figure.name}.png").write_bytes(figure.png)
+            _parent_of(folder / "report" / "figures" / f"{figure.name}.png").write_bytes(figure.png)
         files = {path.relative_to(folder).as_posix(): _entry(path) for path in sorted(folder.rglob("*")) if path.is_file()}
         _write_text(folder / FILE_NAME, _manifest(tissues, packed, files).model_dump_json(indent=2) + "\n")
         write_archive(out_path, folder, [FILE_NAME, *files])

@@ -51,7 +51,7 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
         "                     the same vertices as the STL, bit for bit",
         "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
         "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
-        "  report/, figures/  what was proven, with pictures",
+        "  report/  what was proven, with pictures",
     ]
     return "\n".join(lines) + "\n"
 

@@ -54,7 +54,7 @@ def test_content_is_that_of_the_spec(built):
             "bem-fmm/tissue_index.yaml",
             "report/report.html",
             "report/report.json",
-            *(f"figures/{figure.name}.png" for figure in figures()),
+            *(f"report/figures/{figure.name}.png" for figure in figures()),
         }
         assert archive.namelist() == sorted(archive.namelist())
         assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
@@ -228,8 +228,8 @@ def test_docs_explain_every_file_and_key(folder):
             name = path.relative_to(folder).as_posix()
             for tissue in tissues():
                 name = name.replace(f"/{tissue.name}.", "/NAME.")
-            if name.startswith("figures/"):
-                name = "figures/FIGURE.png"
+            if name.startswith("report/figures/"):
+                name = "report/figures/FIGURE.png"
             assert f"`{name}`" in text, f"docs/package.md does not explain {name}"
 
 
