@@ -12,8 +12,6 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
-import httpx
-
 from server.address import choose_port
 from server.tether import tie_to_parent
 from tests.project.compose import SECRETS, read_compose
@@ -24,7 +22,7 @@ STOP_S = 60.0
 
 @contextmanager
 def lab(folder: Path, database_url: str, broker_url: str) -> Iterator[str]:
-    """Migrate, then run API and worker until the end of the block; gives the URL of the API."""
+    """Migrate, then run API and worker until both are healthy and to the end of the block; gives the URL of the API."""
     services = read_compose(SECRETS)["services"]
     port = choose_port("127.0.0.1", 0)
     # what only a network of containers has gets its counterpart here; everything else is as the file says
@@ -35,14 +33,13 @@ def lab(folder: Path, database_url: str, broker_url: str) -> Iterator[str]:
     }
     api_here = {"INTEGUMENT_HOST": "127.0.0.1", "INTEGUMENT_PORT": str(port)}
 
-    def start(name: str) -> subprocess.Popen[bytes]:
-        service = services[name]
-        python, *arguments = service["command"]
+    def run(name: str, command: list[str], log_name: str) -> subprocess.Popen[bytes]:
+        python, *arguments = command
         assert python == "python"
-        variables = {**service["environment"], **here, **(api_here if name == "api" else {})}
-        with (folder / f"{name}.log").open("wb") as log:
+        variables = {**services[name]["environment"], **here, **(api_here if name == "api" else {})}
+        with (folder / f"{log_name}.log").open("wb") as log:
             return subprocess.Popen(
-                [sys.executable, *arguments],
+                [sys.executable, *(argument.replace("127.0.0.1:8000", f"127.0.0.1:{port}") for argument in arguments)],
                 env={**os.environ, **variables},
                 stdout=log,
                 stderr=log,
@@ -50,25 +47,21 @@ def lab(folder: Path, database_url: str, broker_url: str) -> Iterator[str]:
                 preexec_fn=partial(tie_to_parent, os.getpid()),
             )
 
-    assert start("migrate").wait(START_S) == 0, (folder / "migrate.log").read_text()
-    with ExitStack() as running:
-        worker, api = start("worker"), start("api")
-        running.callback(_stop, worker)
-        running.callback(_stop, api)
-        url = f"http://127.0.0.1:{port}"
+    def await_health(name: str, process: subprocess.Popen[bytes]) -> None:
+        kind, *check = services[name]["healthcheck"]["test"]
+        assert kind == "CMD"
         deadline = time.monotonic() + START_S
-        while not _is_ready(url):
-            assert api.poll() is None, (folder / "api.log").read_text()
-            assert time.monotonic() < deadline, (folder / "api.log").read_text()
-            time.sleep(0.1)
-        yield url
+        while run(name, check, f"{name}-health").wait(START_S) != 0:
+            assert process.poll() is None, (folder / f"{name}.log").read_text()
+            assert time.monotonic() < deadline, (folder / f"{name}-health.log").read_text()
 
-
-def _is_ready(url: str) -> bool:
-    try:
-        return httpx.get(f"{url}/readyz", timeout=5, trust_env=False).status_code == 200
-    except httpx.TransportError:
-        return False
+    assert run("migrate", services["migrate"]["command"], "migrate").wait(START_S) == 0, (folder / "migrate.log").read_text()
+    with ExitStack() as running:
+        for name in ("worker", "api"):
+            process = run(name, services[name]["command"], name)
+            running.callback(_stop, process)
+            await_health(name, process)
+        yield f"http://127.0.0.1:{port}"
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
