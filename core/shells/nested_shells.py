@@ -24,7 +24,7 @@ from core.shells.thinnest_stack import thinnest_stack
 
 Floats = NDArray[np.float64]
 
-REACH_SHARE = 0.85  # of the medial ball's radius may be used; the rest keeps the two sides of a thin part apart
+REACH_SHARE = 0.9  # of the medial ball's radius may be used; the rest keeps the two sides of a thin part apart
 SLOPE = 1.0  # steepest change of depth per length of skin
 SPLIT = 0.75  # in thin parts a layer takes this share of the next deeper layer's depth ...
 OUTERMOST_SHARE = 0.4  # ... or more if there are many, so that the outermost keeps this share of the deepest's
@@ -57,7 +57,7 @@ def create_shells(skin: Mesh, inputs: ShellsInputs, run: RunContext = SILENT) ->
     targets = target_depths(skin.vertices, inputs.layers, inputs.regions)
     whole = Sheet.copy_of(skin.vertices, skin.faces)
     normals = vertex_normals(skin.vertices, skin.faces, "area")
-    reach = measure_reach(skin.vertices, normals, largest_mm=2.0 * float(targets.max()) / REACH_SHARE)
+    reach = measure_reach(skin.vertices, skin.faces, normals, largest_mm=2.0 * float(targets.max()) / REACH_SHARE)
     usable = limit_slope(REACH_SHARE * reach, skin.vertices, whole.net.neighbours, SLOPE)
     allowed = np.minimum(targets, usable)
     _require_reachable(skin, inputs, targets, usable)
