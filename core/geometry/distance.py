@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from core.geometry.chunks import in_chunks
 from core.geometry.disc_bounds import between_discs, disc_bounds
 from core.geometry.face_tree import FaceTree
 from core.geometry.triangle_distance import closest_on_triangle, nearer
@@ -32,7 +33,12 @@ def closest_points_in(tree: FaceTree, points: Floats) -> tuple[Floats, Floats, I
     """`closest_points` on a tree that is there already; fastest if neighbours in `points` are neighbours in space."""
     asked = np.array(points, dtype=np.float64, order="C")  # a writable copy: numba would compile again for a read-only one
     distance, point, face = np.empty(len(asked)), np.empty((len(asked), 3)), np.empty(len(asked), dtype=np.int64)
-    _find_closest(tree.boxes, tree.corners, tree.leaves, asked, distance, point, face)
+
+    def find(start: int, end: int) -> None:
+        rows = slice(start, end)
+        _find_closest(tree.boxes, tree.corners, tree.leaves, asked[rows], distance[rows], point[rows], face[rows])
+
+    in_chunks(len(asked), find)
     return np.sqrt(distance), point, tree.face[face]
 
 

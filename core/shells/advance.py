@@ -32,7 +32,8 @@ class Pace:
     smoothing: float = 0.3  # share of the way to the middle of the neighbours, along the surface
     step_mm: float = 0.15  # furthest correction of the depth in one round
     rounds: int = 20
-    patience: int = 3  # refusals in a row after which a vertex rests until edges change
+    patience: int = 3  # rounds in a row without a move worth it after which a vertex rests until edges change
+    worth_mm: float = 0.02
     depth_tolerance: float = 0.02  # relative; corrected further while outside
     poor_quality: float = 0.25  # q below which a face's corners are smoothed
     least_quality: float = 0.05  # no step may take q below this, or lower where it is below
@@ -142,11 +143,12 @@ def _improve(state: _State, around: Surroundings, pace: Pace) -> tuple[int, int]
     moving = _accept(state, proposal, wanting, faces, around.clearance, pace)
 
     moved = np.flatnonzero(moving)
+    travelled = np.linalg.norm(proposal[moved] - vertices[moved], axis=1)
     state.sheet = state.sheet.at(proposal)
     state.depth_mm[moved] = around.depth(proposal[moved])[0]
     state.shape[faces] = quality(proposal, net.faces[faces])
-    state.refused[moved] = 0
-    state.refused[wanting & ~moving] += 1
+    state.refused[wanting] += 1
+    state.refused[moved[travelled > pace.worth_mm]] = 0
     return len(chosen), len(moved)
 
 

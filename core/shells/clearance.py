@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from core.geometry.chunks import in_chunks
 from core.geometry.face_tree import FaceTree
 from core.geometry.triangle_distance import between_sides, closest_on_triangle, nearer
 from core.mesh import Faces, Vertices
@@ -64,9 +65,14 @@ class MovingSurface:
         wanted = np.zeros(len(self._face), dtype=np.bool_)
         wanted[places] = True
         crowded = np.zeros(len(self._face), dtype=np.bool_)
-        _mark_own(self._boxes, self._corners, self._leaves, self._ids, places, wanted, clearance.own_mm, crowded)
-        for other in clearance.obstacles:
-            _mark_near(self._corners, places, other.boxes, other.corners, other.leaves, clearance.gap_mm, crowded)
+
+        def mark(start: int, end: int) -> None:
+            some = places[start:end]
+            _mark_own(self._boxes, self._corners, self._leaves, self._ids, some, wanted, clearance.own_mm, crowded)
+            for other in clearance.obstacles:
+                _mark_near(self._corners, some, other.boxes, other.corners, other.leaves, clearance.gap_mm, crowded)
+
+        in_chunks(len(places), mark)  # chunks may mark the same face; they only ever set it
         return np.sort(self._face[crowded])
 
 

@@ -16,7 +16,7 @@ from core.shells.sheet import Connectivity, Sheet
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-ATTEMPTS = 4  # a batch is tried again without the edges whose new faces were crowded
+ATTEMPTS = 6  # a batch is tried again without the edges whose new faces were crowded
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +103,10 @@ def _in_batches(
         if len(crowded) == 0:
             return change.sheet, edited, len(np.unique(change.candidate))
         guilty = change.sheet.net.corners_of(crowded)[change.sheet.net.faces[change.faces]].any(axis=1)
+        # only what was tried and was not guilty: others would bring new trouble
+        tried = np.zeros(count, dtype=np.bool_)
+        tried[change.candidate] = True
+        allowed &= tried
         allowed[change.candidate[guilty]] = False
     return None
 
