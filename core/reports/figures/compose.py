@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from core.geometry.body_frame import find_body_frame
 from core.mesh import Mesh
-from core.reports.figures.body_frame import find_body_frame
 from core.reports.figures.cross_sections import draw_cross_sections
 from core.reports.figures.figure import Figure
 from core.reports.figures.gap_places import draw_gap_places

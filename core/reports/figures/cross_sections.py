@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
+from core.geometry.section import Contour, cut
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import Level
-from core.reports.figures.section import Contour, cut
 from core.reports.figures.section_drawing import (
     draw_contours,
     draw_legend,

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from core.geometry.normals import face_normals
+from core.geometry.section import Plane, cut
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
-from core.reports.figures.section import Plane, cut
 from core.reports.figures.section_drawing import (
     draw_contours,
     draw_legend,

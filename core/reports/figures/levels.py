@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.geometry.body_frame import BodyFrame
+from core.geometry.section import Plane
 from core.mesh import Mesh
-from core.reports.figures.body_frame import BodyFrame
-from core.reports.figures.section import Plane
 
 Floats = NDArray[np.float64]
 # shares of the height of a standing adult; they choose a picture, no number depends on them

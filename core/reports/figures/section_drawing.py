@@ -14,9 +14,9 @@ from matplotlib.path import Path
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from core.geometry.section import Contour, Plane
 from core.reports.figures.canvas import FAINT, INK, PAPER
 from core.reports.figures.levels import axis_of
-from core.reports.figures.section import Contour, Plane
 from core.reports.palette import Colour, as_hex, lightened
 
 Floats = NDArray[np.float64]

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
+from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.body_frame import BodyFrame
 from core.reports.figures.levels import HEAD_ABOVE, axis_name
 from core.reports.figures.view import View
 

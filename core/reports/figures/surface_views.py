@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.body_frame import BodyFrame
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_views, place_picture

@@ -8,8 +8,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
+from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.body_frame import BodyFrame
 from core.reports.figures.canvas import INK, sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture

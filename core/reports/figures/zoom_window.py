@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from core.geometry.section import Contour
 from core.reports.figures.levels import Level
-from core.reports.figures.section import Contour
 
 Floats = NDArray[np.float64]
 ZOOM_SPACINGS = 12.0  # width of the zoom in distances between the outermost and the innermost shell

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from core.geometry.body_frame import find_body_frame
 from core.geometry.normals import vertex_normals
 from core.mesh import Mesh
 from core.reports.figures import draw_mesh_figures, draw_shell_figures
-from core.reports.figures.body_frame import find_body_frame
 from core.reports.figures.thickness_map import draw_thickness_map
 from core.schema.finding import Finding, Place, Severity
 from core.schema.report import PairReport

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from core.geometry.section import Plane, cut
 from core.mesh import Mesh
-from core.reports.figures.section import Plane, cut
 
 Floats = NDArray[np.float64]
 SAMPLED_VERTICES = 2000

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.reports.figures.section import Contour, Plane, cut
+from core.geometry.section import Contour, Plane, cut
 from tests.solids import cube, flipped, sphere, together, torus, without_faces
 
 

@@ -5,9 +5,9 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 
-from core.reports.figures.body_frame import find_body_frame
+from core.geometry.body_frame import find_body_frame
+from core.geometry.section import cut
 from core.reports.figures.levels import axis_name, find_levels
-from core.reports.figures.section import cut
 from subjects.body import body
 from tests.solids import cube, sphere, tetrahedron, together
 
