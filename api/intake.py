@@ -9,6 +9,7 @@ from api.services import Services
 from api.upload_form import ReceivedFile
 from core.errors import InputError
 from sandbox.call import call
+from sandbox.handed_file import require_own_file
 from sandbox.limits import Limits
 from store.meshes import MeshUpload
 
@@ -54,7 +55,7 @@ def parse(services: Services, received: ReceivedFile, unit: str, folder: Path) -
     x, y, z = mesh["extents_mm"]
     return MeshUpload(
         path=received.path,
-        canonical_path=Path(mesh["path"]),
+        canonical_path=require_own_file(folder, str(mesh["path"]), "the mesh"),
         name=name_of(received),
         file_name=received.file_name,
         unit=unit,

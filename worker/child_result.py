@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from core.errors import InternalError
 from core.schema.report import Verdict
+from sandbox.handed_file import require_own_file
 from sandbox.outcome import protocol_broken
 from store.blobs import Blobs
 from store.job import JobOutput
@@ -63,16 +63,11 @@ def store_outputs(outputs: Iterable[ListedOutput], folder: Path, blobs: Blobs) -
     """Put the files into the blobs. The child must be dead, so that nobody exchanges them meanwhile.
 
     Raises InternalError `child.protocol_broken` for anything but plain files inside `folder`; LimitError `storage.full`."""
-    root = folder.resolve()
     kept: dict[str, JobOutput] = {}
     for output in outputs:
-        path = root / output.path
-        try:
-            plain = stat.S_ISREG(path.lstat().st_mode) and path.resolve(strict=True).is_relative_to(root)
-        except (OSError, ValueError) as error:  # the latter: a path with a zero byte
-            raise protocol_broken(f"output {output.name}: {error}") from error
-        if not plain or output.name in kept:
-            raise protocol_broken(f"output {output.name} is named twice or is no file of this job")
+        if output.name in kept:
+            raise protocol_broken(f"output {output.name} is named twice")
+        path = require_own_file(folder, output.path, f"output {output.name}")
         blob = blobs.put_file(path)
         kept[output.name] = JobOutput(blob.sha256, blob.size, output.media_type, output.file_name)
     return kept

@@ -50,12 +50,14 @@ class Reconciler:
                 return
 
     def sweep(self) -> None:
-        """Remove folders of attempts nobody works on and blobs nobody refers to."""
+        """Remove folders of attempts nobody works on, blobs nobody refers to and idempotency keys of yesterday."""
         for folder in sweep_job_folders(self._workshop.settings.scratch_dir, self._workshop.jobs):
             logger.info("removed the orphan %s", folder)
         referenced = self._workshop.references.all()
         if swept := self._workshop.blobs.sweep(referenced, BLOB_GRACE_S):
             logger.info("removed %d unused blobs, %d bytes", len(swept), sum(blob.size for blob in swept))
+        if forgotten := self._workshop.keys.sweep():
+            logger.info("forgot %d idempotency keys", forgotten)
 
     def _loop(self) -> None:
         while True:

@@ -101,7 +101,7 @@ class _Attempt:
             meshes[href] = {
                 "path": str(path),
                 "name": mesh.name,
-                "sha256": mesh.sha256,
+                "sha256": mesh.source_sha256 or mesh.sha256,
                 "media_type": mesh.media_type,
                 "file_name": mesh.file_name,
             }

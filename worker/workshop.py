@@ -12,6 +12,7 @@ from sandbox.nursery import Nursery
 from store.blobs import Blobs
 from store.database import Database
 from store.doorbell import Doorbell
+from store.idempotency import IdempotencyKeys
 from store.jobs import Jobs
 from store.references import References
 from store.settings import Settings
@@ -29,6 +30,7 @@ class Workshop:
     jobs: Jobs
     blobs: Blobs
     references: References
+    keys: IdempotencyKeys
     doorbell: Doorbell
     nursery: Nursery
     closing: Closing
@@ -45,6 +47,7 @@ class Workshop:
             jobs=Jobs(db),
             blobs=Blobs(settings.blob_dir),
             references=References(db),
+            keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),
             nursery=Nursery((target.partition(":")[0],) if preload is None else preload),
             closing=Closing(settings.drain_s),

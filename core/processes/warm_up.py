@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from core.mesh import Mesh
+from core.reports.figures.compose import draw_mesh_figures
 from core.schema.reference import MeshReference
 from core.schema.shells import Layer, ShellsInputs
+from core.shells.clearance import Clearance, MovingSurface
 from core.shells.nested_shells import create_shells
+from core.shells.reconnect import Remedy, reconnect
+from core.shells.sheet import Sheet
 from core.validation.validate import validate
 
 SIZE_MM = 100.0
+PINCH = 0.025  # a plate of 2.5 mm: thin enough to call on the corrections, too
 CUBE_CORNERS = [(x, y, z) for x in (0.0, SIZE_MM) for y in (0.0, SIZE_MM) for z in (0.0, SIZE_MM)]
 CUBE_FACES = [
     (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
@@ -23,5 +28,12 @@ def warm_up() -> None:
         skin=MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000"),
         layers=(Layer(name="outer", depth_mm=1.0), Layer(name="inner", depth_mm=2.0)),
     )
-    shells = create_shells(cube, inputs)
-    validate({"cube": cube, **{shell.name: shell.mesh for shell in shells}})
+    surfaces = {"cube": cube, **{shell.name: shell.mesh for shell in create_shells(cube, inputs)}}
+    validate(surfaces)
+    draw_mesh_figures(surfaces)
+    # no face of a cube is poor, so the kernels that mend poor ones are called by name
+    sheet = Sheet.copy_of(cube.vertices, cube.faces)
+    everything = Remedy(flip_below=2.0, collapse_below=2.0)
+    reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything)
+    pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
+    create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
