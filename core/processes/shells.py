@@ -6,29 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from core.errors import InternalError
-from core.io.registry import read_meshes, write_mesh
-from core.mesh import Mesh
-from core.package.build import build_package
-from core.package.conductivity import conductivity_of
-from core.package.read import read_shells
-from core.package.tissue import FREE_SPACE, Tissue
-from core.processes.named_input import NamedInput, load_input
-from core.processes.outcome import Outcome, OutputFile
-from core.processes.software import software_versions
+from core.processes.layer_package import LayerJob, deliver_layers
+from core.processes.loaded_skin import load_skin
+from core.processes.outcome import Outcome
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
-from core.reports.figures.compose import draw_shell_figures
 from core.run import RunContext
-from core.schema.finding import Severity
-from core.schema.report import Report, ThicknessReport
 from core.schema.shells import ShellsInputs
-from core.shells.nested_shells import Shell, create_shells
-from core.shells.thickness import measure_thickness
-from core.shells.thin_places import check_depth
-from core.validation.requirements import require_fit_skin
-from core.validation.validate import Validation, validate
 
 METHODS = (
     "Every layer was made from the skin by nodal movement along the inward direction that shifts all adjacent faces equally, "
@@ -51,106 +34,17 @@ def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
 
     Raises: InputError `skin.*`, `layer.*`, `region.*`, `shells.no_room`; InternalError `shells.not_proven` with a report.
     """
-    load = run.stage("load", 0.0, 0.02)
-    source = load_input(inputs.skin.href, meshes)
-    skin = source.mesh.rounded_to_float32()
-    load.advance(1.0, f"skin '{source.name}': {len(skin.faces)} faces")
-    run.stage("check the skin", 0.02, 0.06)
-    require_fit_skin(skin, "skin")
-    shells = create_shells(skin, inputs, run.stage("shells", 0.06, 0.6))
-
-    run.stage("write and read back", 0.6, 0.62)
-    surfaces = {"skin": skin, **{shell.name: shell.mesh for shell in shells}}
-    delivered = _deliver(surfaces, out_dir)
-    validation = validate(delivered, min_gap_mm=inputs.min_gap_mm, run=run.stage("prove", 0.62, 0.78))
-    report = _report(inputs, source, skin, shells, validation)
-    _require_proven(report, list(surfaces))
-
-    run.stage("figures", 0.78, 0.94)
-    tissues = _tissues(inputs, surfaces)
-    depths = {shell.name: shell.depth_mm for shell in shells}
-    figures = draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings)
-    run.stage("package", 0.94, 1.0)
-    package = out_dir / "package.zip"
-    packed = build_package(package, tissues, report, figures)
-    _require_unchanged(package, delivered)
-    return Outcome(
-        packed,
-        figures,
-        (
-            OutputFile("package", Path(package.name), "application/zip", package.name),
-            *(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in surfaces),
-        ),
-    )
-
-
-def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
-    """Write binary STL and read it back: what is proven is what the files hold."""
-    delivered = {}
-    for name, mesh in surfaces.items():
-        path = out_dir / f"{name}.stl"
-        write_mesh(mesh, path, "stl", name)
-        delivered[name] = read_meshes(path, file_name=path.name, unit="mm").meshes[0].mesh
-    return delivered
-
-
-def _report(inputs: ShellsInputs, source: NamedInput, skin: Mesh, shells: tuple[Shell, ...], validation: Validation) -> Report:
-    targets = {layer.name: layer.depth_mm for layer in inputs.layers}
-    thickness = {shell.name: measure_thickness(shell, targets[shell.name]) for shell in shells}
-    findings = (*validation.findings, *(finding for shell in shells for finding in check_depth(shell)))
-    shift = float(np.abs(skin.vertices - source.mesh.vertices).max())
-    return Report(
+    source = load_skin(inputs.skin.href, meshes, run)
+    job = LayerJob(
         process="shells",
-        verdict=validation.verdict,
-        summary=_summary(validation, thickness),
-        meshes=validation.meshes,
-        pairs=validation.pairs,
-        thickness=thickness,
-        nesting=validation.nesting,
-        findings=findings,
-        changes=({"mesh": "skin", "what": "coordinates rounded to float32", "largest_shift_mm": shift},) if shift else (),
+        skin=source.mesh,
+        inputs=inputs,
         methods=METHODS.format(gap=inputs.min_gap_mm),
         references=REFERENCES,
         parameters={
             **inputs.model_dump(mode="json", exclude={"skin"}),
             "skin": {"name": source.name, "sha256": source.sha256},
         },
-        software=software_versions(),
+        changes=source.changes,
     )
-
-
-def _summary(validation: Validation, thickness: Mapping[str, ThicknessReport]) -> str:
-    layers = ", ".join(
-        f"{name} {layer.target_mm:g} mm on {100 * layer.on_target_area:.2f} %" for name, layer in thickness.items()
-    )
-    gaps = [pair.min_gap_mm for pair in validation.pairs if pair.min_gap_mm is not None]
-    crossing = sum(pair.intersecting_pairs for pair in validation.pairs)
-    crossing += sum(mesh.self_intersecting_pairs for mesh in validation.meshes.values())
-    return (
-        f"{len(validation.meshes)} nested shells, {crossing} intersecting faces, smallest gap {min(gaps):.3f} mm; "
-        f"on target by area: {layers}."
-    )
-
-
-def _require_proven(report: Report, outermost_first: list[str]) -> None:
-    """Never hand out layers that break the promise: that would be our bug, and is said with all that is known."""
-    chain = dict(zip(outermost_first, (None, *outermost_first), strict=False))
-    if report.verdict == "simulation_ready" and report.nesting == chain:
-        return
-    errors = [finding for finding in report.findings if finding.severity is Severity.ERROR]
-    words = "; ".join(finding.message for finding in errors[:3]) or f"the shells nest as {report.nesting}, not {chain}"
-    raise InternalError("shells.not_proven", f"the shells made do not pass the proof: {words}", report=report, findings=())
-
-
-def _require_unchanged(package: Path, delivered: Mapping[str, Mesh]) -> None:
-    """The package must hold the very files that were proven."""
-    packed = read_shells(package)
-    for name, mesh in delivered.items():
-        if name not in packed or not np.array_equal(packed[name].triangles(), mesh.triangles()):
-            raise InternalError("package.differs", f"the package does not hold the proven surface '{name}'", mesh=name)
-
-
-def _tissues(inputs: ShellsInputs, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
-    depths = {layer.name: layer.depth_mm for layer in inputs.layers}
-    enclosing = dict(zip(surfaces, (FREE_SPACE, *surfaces), strict=False))
-    return tuple(Tissue(name, mesh, depths.get(name), conductivity_of(name), enclosing[name]) for name, mesh in surfaces.items())
+    return deliver_layers(job, run.stage("shells", 0.06, 1.0), out_dir)

@@ -62,18 +62,27 @@ class ShellsInputs(FrozenModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> ShellsInputs:
-        names = [layer.name for layer in self.layers]
-        # they become file names, and some file systems do not tell cases apart
-        if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
-            raise ValueError(f"layer names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
-        _require_increasing("layers", [layer.depth_mm for layer in self.layers])
+        require_distinct(self.layers)
         for region in self.regions:
-            unknown = sorted(set(region.depths_mm) - set(names))
-            if unknown:
-                raise ValueError(f"region '{region.name}' names layers that do not exist: {unknown}")
-            inside = [region.depths_mm.get(layer.name, layer.depth_mm) for layer in self.layers]
-            _require_increasing(f"region '{region.name}'", inside)
+            require_ordered(f"region '{region.name}'", self.layers, region.depths_mm)
         return self
+
+
+def require_distinct(layers: tuple[Layer, ...]) -> None:
+    """Raises: ValueError unless the layers have names of their own and lie one below the other."""
+    names = [layer.name for layer in layers]
+    # they become file names, and some file systems do not tell cases apart
+    if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
+        raise ValueError(f"layer names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
+    _require_increasing("layers", [layer.depth_mm for layer in layers])
+
+
+def require_ordered(where: str, layers: tuple[Layer, ...], depths_mm: dict[str, float]) -> None:
+    """Raises: ValueError unless the depths are of layers that exist and leave them one below the other."""
+    unknown = sorted(set(depths_mm) - {layer.name for layer in layers})
+    if unknown:
+        raise ValueError(f"{where} names layers that do not exist: {unknown}")
+    _require_increasing(where, [depths_mm.get(layer.name, layer.depth_mm) for layer in layers])
 
 
 def _require_increasing(where: str, depths_mm: list[float]) -> None:

@@ -1,0 +1,37 @@
+"""The skin a job is about: loaded, rounded to what its files will hold, and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.mesh import Mesh
+from core.processes.named_input import load_input
+from core.run import RunContext
+from core.validation.requirements import require_fit_skin
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoadedSkin:
+    """mesh: fit, exact in float32. changes: what rounding moved, for the report."""
+
+    name: str
+    mesh: Mesh
+    sha256: str
+    changes: tuple[dict[str, Any], ...]
+
+
+def load_skin(href: str, meshes: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSkin:
+    """The first 6 % of a job. Raises: InputError `skin.*`, `reference.not_a_mesh`."""
+    load = run.stage("load", 0.0, 0.02)
+    source = load_input(href, meshes)
+    skin = source.mesh.rounded_to_float32()
+    load.advance(1.0, f"skin '{source.name}': {len(skin.faces)} faces")
+    run.stage("check the skin", 0.02, 0.06)
+    require_fit_skin(skin, "skin")
+    shift = float(np.abs(skin.vertices - source.mesh.vertices).max())
+    changes = ({"mesh": "skin", "what": "coordinates rounded to float32", "largest_shift_mm": shift},) if shift else ()
+    return LoadedSkin(source.name, skin, source.sha256, changes)
