@@ -1,0 +1,1 @@
+"""Ears: where they are on a body, and canals cut into them."""
