@@ -1,0 +1,87 @@
+"""The command `ears`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.execute import ReportOption, UnitOption
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import BOX_FORM, read_box, read_layers
+from integument.cli.mesh_argument import require_mesh
+from integument.cli.mesh_reference import refer_to
+from integument.cli.session import connect
+from integument.errors import ArgumentError
+
+AUTO = "auto"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(ears)
+
+
+def ears(
+    ctx: typer.Context,
+    skin: Annotated[str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")],
+    unit: UnitOption = "mm",
+    boxes: Annotated[
+        list[str] | None,
+        typer.Option("--ears", metavar="BOX", help=f"A box round an ear, {BOX_FORM} in mm; repeat. Default auto: find both."),
+    ] = None,
+    canal: Annotated[
+        list[str] | None, typer.Option(metavar="MESH", help="Closed mesh of a canal's air, to be cut out of the skin; repeat.")
+    ] = None,
+    generate_canals: Annotated[
+        bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
+    ] = False,
+    layer: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=DEPTH", help="Layer and its depth in mm. Default fat=1 average_body=3.")
+    ] = None,
+    ear_depth: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
+    ] = None,
+    blend: Annotated[float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")] = None,
+    thin_policy: Annotated[
+        Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
+    ] = "adapt",
+    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Build nested shells that are thinner in the ears, and cut ear canals."""
+    options = options_of(ctx)
+    inputs: dict[str, Any] = {"thin_policy": thin_policy, "ears": _read_ears(boxes or [AUTO])}
+    if generate_canals:
+        inputs["generate_canals"] = {}
+    if layer:
+        inputs["layers"] = [{"name": name, "depth_mm": depth_mm} for name, depth_mm in read_layers(layer).items()]
+    if ear_depth:
+        inputs["ear_depths_mm"] = read_layers(ear_depth, "--ear-depth")
+    if blend is not None:
+        inputs["blend_mm"] = blend
+    if min_gap is not None:
+        inputs["min_gap_mm"] = min_gap
+    wanted = Wanted({} if output is None else {"package": output}, report)
+    wanted.require_room()
+    canals = [require_mesh(mesh) for mesh in canal or ()]
+    require_mesh(skin)
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["skin"] = refer_to(session, view, skin, unit)
+            if canals:
+                inputs["canals"] = [refer_to(session, view, mesh, unit) for mesh in canals]
+        raise typer.Exit(run_to_end(session, options, "ears", inputs, wanted))
+
+
+def _read_ears(texts: list[str]) -> str | list[dict[str, Any]]:
+    if texts == [AUTO]:
+        return AUTO
+    if AUTO in texts:
+        raise ArgumentError("--ears: 'auto' finds both ears; it does not go with boxes")
+    return [read_box(text, "--ears") for text in texts]
