@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from core.errors import IntegumentError, StateError
 from core.processes.failure import failure_report
+from core.processes.graft import run_graft
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.shells import run_shells
 from core.processes.validate import run_validate
@@ -21,7 +22,7 @@ from core.schema.report import Report
 __all__ = ["HANDLERS", "run", "warm_up"]
 
 Handler = Callable[[Any, Mapping[str, Mapping[str, Any]], RunContext, Path], Outcome]
-HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells}
+HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells, "graft": run_graft}
 
 
 class EventSink(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from core.grafting.band import triangulate_band
 from core.mesh import Mesh
 from core.reports.figures.compose import draw_mesh_figures
 from core.schema.reference import MeshReference
@@ -37,3 +38,4 @@ def warm_up() -> None:
     reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything)
     pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
     create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
+    triangulate_band(cube.vertices[[0, 4, 6, 2]], cube.vertices[[1, 5, 7, 3]])

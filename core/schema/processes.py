@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from core.schema.graft import GraftInputs
 from core.schema.model import FrozenModel
 from core.schema.shells import ShellsInputs
 from core.schema.validate import ValidateInputs
@@ -66,4 +67,18 @@ SHELLS = ProcessDescription(
     },
     names_layers=True,
 )
-PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS)}
+GRAFT = ProcessDescription(
+    id="graft",
+    version="1.0.0",
+    title="Graft a region",
+    description="Take regions out of a base surface, set those of a donor surface in, and join them by new triangles to one "
+    "closed, manifold, outward surface, proven free of self-intersection in the delivered file. Works across connectivities.",
+    keywords=("graft", "region", "ears", "seam", "re-triangulation"),
+    inputs=GraftInputs,
+    outputs={
+        "mesh": OutputDescription(title="Joined surface", media_type="model/stl", description="Base with the donor's regions"),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+    },
+)
+PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS, GRAFT)}

@@ -12,9 +12,9 @@ import typer
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import REGION_FORM, read_layers, read_region
-from integument.cli.mesh_argument import is_held, name_meshes, require_mesh
-from integument.cli.progress import ProgressView
-from integument.cli.session import Session, connect
+from integument.cli.mesh_argument import name_meshes, require_mesh
+from integument.cli.mesh_reference import refer_to
+from integument.cli.session import connect
 from integument.client import Unit
 from integument.errors import ArgumentError
 
@@ -66,7 +66,7 @@ def shells(
     with connect(options) as session:
         view = options.progress_view()
         with view:
-            inputs["skin"] = _reference(session, view, skin, unit)
+            inputs["skin"] = refer_to(session, view, skin, unit)
         raise typer.Exit(run_to_end(session, options, "shells", inputs, wanted))
 
 
@@ -88,7 +88,7 @@ def validate(
     with connect(options) as session:
         view = options.progress_view()
         with view:
-            inputs["meshes"] = {name: _reference(session, view, mesh, unit) for name, mesh in named.items()}
+            inputs["meshes"] = {name: refer_to(session, view, mesh, unit) for name, mesh in named.items()}
         raise typer.Exit(run_to_end(session, options, "validate", inputs, wanted))
 
 
@@ -108,13 +108,6 @@ def run(
     document = _read_inputs(inputs)
     with connect(options) as session:
         raise typer.Exit(run_to_end(session, options, process, document, wanted))
-
-
-def _reference(session: Session, view: ProgressView, mesh: str, unit: Unit) -> dict[str, str]:
-    if is_held(mesh):
-        return {"href": mesh}
-    on_bytes = view.transfer(f"upload {Path(mesh).name}")
-    return {"href": session.client.upload_mesh(mesh, unit=unit, on_bytes=on_bytes).href}
 
 
 def _read_output(text: str) -> tuple[str, Path]:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from integument.errors import ArgumentError
 from integument.region import Point, Region
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
+BOX_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax"
 
 
-def read_layers(texts: Iterable[str]) -> dict[str, float]:
+def read_layers(texts: Iterable[str], option: str = "--layer") -> dict[str, float]:
     """Name -> depth in mm, in the order given. Raises: ArgumentError."""
     layers: dict[str, float] = {}
     for text in texts:
-        name, depth_mm = _read_depth(text, f"--layer {text}")
+        name, depth_mm = _read_depth(text, f"{option} {text}")
         if name in layers:
-            raise ArgumentError(f"--layer {text}: the layer '{name}' is there already")
+            raise ArgumentError(f"{option} {text}: the layer '{name}' is there already")
         layers[name] = depth_mm
     return layers
 
@@ -30,6 +32,16 @@ def read_region(text: str) -> Region:
     depths = dict(_read_depth(item, where) for item in parts[3].split(","))
     blend = _read_number(parts[4], where) if len(parts) == 5 else None
     return Region(parts[0], _read_point(parts[1], where), _read_point(parts[2], where), depths, blend)
+
+
+def read_box(text: str, option: str = "--region") -> dict[str, Any]:
+    """A region without depths, in the form the server takes. Raises: ArgumentError that shows the form."""
+    parts = text.split(":")
+    where = f"{option} {text}"
+    if len(parts) != 3 or not parts[0]:
+        raise ArgumentError(f"{where}: wanted is {BOX_FORM}")
+    low, high = (_read_point(part, where) for part in parts[1:])
+    return {"name": parts[0], "box_mm": {"min": list(low), "max": list(high)}}
 
 
 def _read_depth(text: str, where: str) -> tuple[str, float]:
