@@ -28,6 +28,7 @@ BESIDE = 0.7  # an ear lies outside this share of the head's half width; eyelids
 FEWEST_VERTICES = 12
 HEIGHT_MM = (30.0, 90.0)
 WIDEST_FOR_HEIGHT = 1.2  # front to back, and sideways, over height
+FROM_MIDDLE = 0.25  # front to back, of the depth of the head: eyes and nose are farther in front
 UNEQUAL_BY = 0.35  # of the larger ear's height: of a pair, in size and in place
 MARGIN_MM = 3.0
 
@@ -67,15 +68,15 @@ def find_ears(skin: Mesh) -> tuple[Ear, Ear]:
     normals = vertex_normals(skin.vertices, skin.faces, "area")[head]
     thin = find_thin_sheets(points, normals, THINNEST_HEAD_WALL * frame.height_mm())
     left, right = (
-        _ear(name, points[thin & (side * sideways > BESIDE * half_width)], side * frame.right, frame)
+        _ear(name, points[thin & (side * sideways > BESIDE * half_width)], side * frame.right, frame, points)
         for name, side in (("left_ear", 1.0), ("right_ear", -1.0))
     )
     _require_pair(left, right, frame)
     return left, right
 
 
-def _ear(name: str, points: Floats, outward: Floats, frame: BodyFrame) -> Ear:
-    """The largest cluster of points as an ear, if it is the size of one."""
+def _ear(name: str, points: Floats, outward: Floats, frame: BodyFrame, head: Floats) -> Ear:
+    """The largest cluster of points as an ear, if it has the size and place of one on the head (N, 3)."""
     words = name.replace("_", " ")
     if len(points) < FEWEST_VERTICES:
         raise _not_found(f"there is no thin sheet standing out where the {words} should be")
@@ -92,6 +93,9 @@ def _ear(name: str, points: Floats, outward: Floats, frame: BodyFrame) -> Ear:
     low, high = (frame.level(share) for share in EARS_BETWEEN)
     if not low <= float(pinna.mean(axis=0) @ frame.up) <= high:
         raise _not_found(f"what stands out where the {words} should be is not at the height of an ear")
+    front, back = float((head @ frame.front).max()), float((head @ frame.front).min())
+    if abs(float(pinna.mean(axis=0) @ frame.front) - (front + back) / 2) > FROM_MIDDLE * (front - back):
+        raise _not_found(f"what stands out where the {words} should be is not at the side of the head")
     return Ear(name, pinna.min(axis=0) - MARGIN_MM, pinna.max(axis=0) + MARGIN_MM, outward)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from core.errors import IntegumentError, StateError
+from core.processes.ears import run_ears
 from core.processes.failure import failure_report
 from core.processes.graft import run_graft
 from core.processes.outcome import Outcome, OutputFile
@@ -22,7 +23,7 @@ from core.schema.report import Report
 __all__ = ["HANDLERS", "run", "warm_up"]
 
 Handler = Callable[[Any, Mapping[str, Mapping[str, Any]], RunContext, Path], Outcome]
-HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells, "graft": run_graft}
+HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells, "ears": run_ears, "graft": run_graft}
 
 
 class EventSink(Protocol):

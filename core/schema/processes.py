@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from core.schema.ears import EarsInputs
 from core.schema.graft import GraftInputs
 from core.schema.model import FrozenModel
 from core.schema.shells import ShellsInputs
@@ -67,6 +68,20 @@ SHELLS = ProcessDescription(
     },
     names_layers=True,
 )
+EARS = ProcessDescription(
+    id="ears",
+    version="1.0.0",
+    title="Create nested shells with thin ears and ear canals",
+    description="Finds both ears or takes their boxes, cuts canals into the skin and remeshes the seams, then creates nested "
+    "shells that are thinner in the ears and canals, proven as those of `shells`.",
+    keywords=("ears", "ear canal", "variable thickness", "shells"),
+    inputs=EarsInputs,
+    outputs={
+        **SHELLS.outputs,
+        "skin": OutputDescription(title="Skin", media_type="model/stl", description="The skin with canals as delivered, float32"),
+    },
+    names_layers=True,
+)
 GRAFT = ProcessDescription(
     id="graft",
     version="1.0.0",
@@ -81,4 +96,4 @@ GRAFT = ProcessDescription(
         "report_html": _REPORT_HTML,
     },
 )
-PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS, GRAFT)}
+PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT)}
