@@ -67,11 +67,13 @@ def advance(start: Sheet, goal: Vertices, depth_mm: Floats, around: Surroundings
     Source: thesis Eq. (4.1) and 5.2 (move, check, repair locally), with the check inside the loop.
     """
     surface = MovingSurface(start.vertices, start.net.faces)
-    state = _State.of(start.at(_jump(start, goal, surface, around.clearance, pace)), surface, depth_mm, around)
+    sheet = start.at(_jump(start, goal, surface, around.clearance, pace))
+    state = _State.of(sheet, surface, depth_mm, around.depth(sheet.vertices)[0])
     for count in range(pace.rounds):
         if count % pace.reconnect_every == pace.reconnect_every - 1:
             sheet, surface, changed = reconnect(state.sheet, state.surface, around.clearance, pace.remedy)
-            state = _State.of(sheet, surface, depth_mm, around) if changed else state
+            if changed:
+                state = _State.of(sheet, surface, depth_mm, _carried_depth(state, sheet, around))
         wanting, moved = _improve(state, around, pace)
         run.advance((count + 1) / pace.rounds, f"round {count + 1}: {wanting} vertices off depth or shape, {moved} moved")
         if moved == 0:
@@ -91,11 +93,19 @@ class _State:
     refused: NDArray[np.int64]
 
     @classmethod
-    def of(cls, sheet: Sheet, surface: MovingSurface, depth_mm: Floats, around: Surroundings) -> _State:
-        """Measure everything anew; depth_mm: (V,) wanted below each skin vertex."""
-        depth, _away = around.depth(sheet.vertices)
+    def of(cls, sheet: Sheet, surface: MovingSurface, wanted_mm: Floats, depth_mm: Floats) -> _State:
+        """wanted_mm: (V,) below each skin vertex; depth_mm: (N,) as measured."""
         shape = quality(sheet.vertices, sheet.net.faces)
-        return cls(sheet, surface, depth_mm[sheet.origin], depth, shape, np.zeros(sheet.net.vertex_count, dtype=np.int64))
+        return cls(sheet, surface, wanted_mm[sheet.origin], depth_mm, shape, np.zeros(sheet.net.vertex_count, dtype=np.int64))
+
+
+def _carried_depth(state: _State, sheet: Sheet, around: Surroundings) -> Floats:
+    """Depths of a sheet that came from the state's by reconnecting: measured anew only where a vertex moved."""
+    former = state.sheet.stand_in[sheet.origin]
+    depth: Floats = state.depth_mm[former]
+    moved = np.flatnonzero((sheet.vertices != state.sheet.vertices[former]).any(axis=1))
+    depth[moved] = around.depth(sheet.vertices[moved])[0]
+    return depth
 
 
 def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clearance, pace: Pace) -> Vertices:

@@ -64,13 +64,14 @@ def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy
     return sheet, surface, sum(result[2] for result in (flipped, collapsed) if result is not None)
 
 
-def collapse_edges(sheet: Sheet, edges: Ints) -> Sheet:
+def collapse_edges(sheet: Sheet, edges: Ints) -> tuple[Sheet, Ints]:
     """Collapse as many of the edges (E, 2) as may be at once, to their middles, in the order given.
 
     Keeps closed manifold and genus and turns no face over; quality and clearance are the caller's business.
+    Returns the sheet and the former number of each of its faces.
     """
     change = _collapse(sheet, edges, np.ones(len(edges), dtype=np.bool_), strict=False)
-    return sheet if change is None else change.sheet
+    return (sheet, np.arange(len(sheet.net.faces))) if change is None else (change.sheet, change.former)
 
 
 def shortest_sides(sheet: Sheet, faces: Ints) -> Ints:

@@ -18,6 +18,7 @@ from core.shells.sheet import Sheet
 FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
 ATTEMPTS = 40
+PATIENCE = 10  # attempts after which edges are collapsed also where pushing harder has not helped
 
 
 def thinnest_stack(
@@ -42,21 +43,30 @@ def _next_sheet(skin: Mesh, outer: Sheet, name: str, gap_mm: float, own_mm: floa
     outside = Clearance(gap_mm, own_mm, (FaceTree.of(outer.vertices, outer.net.faces),))
     alone = Clearance(gap_mm, own_mm, ())
     push = np.full(len(skin.vertices), FIRST_PUSH * gap_mm)  # by skin vertex: it survives collapses
-    sheet, placed, crowded = outer, outer, np.empty(0, dtype=np.int64)
-    for _ in range(ATTEMPTS):
-        shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
-        placed = sheet.at(sheet.vertices + push[sheet.origin, None] * shift)
-        everything = np.arange(len(sheet.net.faces))
-        surface = MovingSurface(placed.vertices, sheet.net.faces)
-        crowded = surface.find_crowded(placed.vertices, everything, outside)
+    sheet, placed = outer, _pushed(outer, push)
+    surface = MovingSurface(placed.vertices, placed.net.faces)
+    asked = np.arange(len(placed.net.faces))
+    before, crowded = placed, asked
+    for attempt in range(ATTEMPTS):
+        crowded = surface.find_crowded(placed.vertices, asked, outside)
         if len(crowded) == 0:
             return placed
-        folded = surface.find_crowded(placed.vertices, everything, alone)
+        folded = surface.find_crowded(placed.vertices, crowded, alone)
         near = sheet.net.corners_of(np.setdiff1d(crowded, folded))
         push[sheet.origin[near]] *= HARDER
-        around = sheet.net.faces_of(sheet.net.corners_of(folded))
-        sheet = collapse_edges(sheet, shortest_sides(sheet, around))
-    raise _no_room(skin, placed, crowded, name, gap_mm)
+        squeezed = folded if attempt < PATIENCE else crowded
+        around = sheet.net.faces_of(sheet.net.corners_of(squeezed))
+        sheet, former = collapse_edges(sheet, shortest_sides(sheet, around))
+        before, placed = placed, _pushed(sheet, push)
+        moved = (placed.vertices[placed.net.faces] != before.vertices[before.net.faces[former]]).any(axis=(1, 2))
+        asked = np.flatnonzero(moved | np.isin(former, crowded))
+        surface = surface.edited(placed.vertices, placed.net.faces, former)
+    raise _no_room(skin, before, crowded, name, gap_mm)
+
+
+def _pushed(sheet: Sheet, push: NDArray[np.float64]) -> Sheet:
+    shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
+    return sheet.at(sheet.vertices + push[sheet.origin, None] * shift)
 
 
 def _no_room(skin: Mesh, sheet: Sheet, crowded: NDArray[np.int64], name: str, gap_mm: float) -> InputError:
