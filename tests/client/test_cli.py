@@ -163,6 +163,10 @@ def test_nobody_there_is_3(skin: str, capsys: pytest.CaptureFixture[str], monkey
         ["nonsense"],
         ["jobs", "--server", "nonsense"],
         ["jobs", "--status", "sleeping"],
+        ["graft", "SKIN", "SKIN"],
+        ["graft", "SKIN", "/nowhere.stl", "--region", "ear:0,0,0:1,1,1"],
+        ["graft", "SKIN", "SKIN", "--region", "ear:0,0,0:1,1"],
+        ["graft", "SKIN", "SKIN", "--region", "ear:0,0,0:1,1,1:fat=1"],
     ],
 )
 def test_bad_usage_is_2_and_nothing_is_queued(arguments: list[str], state: State, skin: str) -> None:
@@ -184,6 +188,37 @@ def test_validate_names_meshes_after_their_files(state: State, tmp_path: Path) -
     assert list(sent) == ["left_ear_1_", "left_ear_1__2", "fat"]
     assert sent["fat"] == {"href": held}
     assert sent["left_ear_1_"] == {"href": f"/v1/meshes/{MESH_ID}"}
+
+
+def test_graft_sends_two_meshes_and_boxes(state: State, skin: str, tmp_path: Path) -> None:
+    end(state)
+    state.report = REPORT
+    state.files[f"/v1/jobs/{JOB_ID}/results/mesh"] = b"stl"
+    target = tmp_path / "joined.stl"
+    donor = f"/v1/jobs/{JOB_ID}/results/fat"
+    arguments = ["graft", skin, donor, "--region", "ear:-1,2,3:4,5,6", "--region", "other:1,2,3:4,5,6.5", "-o", str(target)]
+    assert main([*arguments, "--seam", "2.5", "--max-distance", "4"]) == 0
+    sent = json.loads(state.requests("POST", "/v1/processes/graft/execution")[0].body)["inputs"]
+    assert sent == {
+        "base": {"href": f"/v1/meshes/{MESH_ID}"},
+        "donor": {"href": donor},
+        "regions": [
+            {"name": "ear", "box_mm": {"min": [-1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.0]}},
+            {"name": "other", "box_mm": {"min": [1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.5]}},
+        ],
+        "seam_mm": 2.5,
+        "max_distance_mm": 4.0,
+    }
+    assert target.read_bytes() == b"stl"
+
+
+def test_graft_leaves_defaults_to_the_server(state: State, skin: str) -> None:
+    end(state)
+    state.report = REPORT
+    assert main(["graft", skin, skin, "--region", "ear:-1,2,3:4,5,6"]) == 0
+    sent = json.loads(state.requests("POST", "/v1/processes/graft/execution")[0].body)["inputs"]
+    assert set(sent) == {"base", "donor", "regions"}
+    assert len(state.uploads) == 1  # the same file is sent once
 
 
 @pytest.mark.parametrize("document", [{"skin": 1}, {"inputs": {"skin": 1}, "response": "document"}])
