@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,7 @@ from core.shells.thickness import is_limited, is_on_target, vertex_areas
 from core.validation.requirements import require_fit_skin
 
 CANAL_MARGIN_MM = 0.5
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
 FOUND = "Both ears were found by shape, as the thin sheets that stand out at the sides of the head. "
 CUT = (
     "Canals were subtracted as solids in double precision and the seams remeshed locally by splits, collapses, flips and "
@@ -103,7 +105,7 @@ def _canals(inputs: EarsInputs, skin: Mesh, frame: BodyFrame, solids: list[Named
     """Name -> solid, exact in float32; those sent, or one of the shape asked for in each ear found."""
     shape = inputs.generate_canals
     if shape is None:
-        names = make_unique(solid.name for solid in solids)
+        names = make_unique(_as_region_name(solid.name) for solid in solids)
         return {name: solid.mesh.rounded_to_float32() for name, solid in zip(names, solids, strict=True)}
     return {
         f"{ear.name}_canal": make_canal(
@@ -139,6 +141,11 @@ def _wall_regions(skin: RemeshedSkin, canals: list[str], ears: tuple[Region, ...
         ear = ears[int(np.argmin([np.linalg.norm(middle - (low + high) / 2) for middle in middles]))]
         regions.append(ear.model_copy(update={"name": name, "box_mm": _box(low, high)}))
     return tuple(regions)
+
+
+def _as_region_name(text: str) -> str:
+    """The name of an upload in letters that the name of a region may have."""
+    return _NOT_IN_NAMES.sub("_", text).strip("_-")[:60] or "canal"
 
 
 def _ear_finding(region: Region, shells: tuple[Shell, ...]) -> Finding:
