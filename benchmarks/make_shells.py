@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from benchmarks.makers import MAKERS, warm_up
+from benchmarks.makers import MAKERS, VARIANTS, warm_up
 from core.io.registry import write_mesh
 from subjects.body import body
 
@@ -21,7 +21,7 @@ def main() -> None:
     name, subdivisions, folder = sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])
     depths = tuple(float(depth) for depth in sys.argv[4:])
     skin = body(subdivisions)
-    maker = MAKERS[name]
+    maker = (MAKERS | VARIANTS)[name]
     warm_up(maker)
     start = time.perf_counter()
     shells = maker(skin, depths)

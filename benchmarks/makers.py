@@ -18,11 +18,17 @@ from subjects.trial import shells_inputs
 Depths = tuple[float, ...]
 Maker = Callable[[Mesh, Depths], list[Mesh]]
 VOXEL_MM = 2.0
+CLOSER_GAP_MM = 0.02
 
 
 def integument(skin: Mesh, depths_mm: Depths) -> list[Mesh]:
     """Geometry alone: no report, no proof."""
     return [shell.mesh for shell in create_shells(skin, shells_inputs(depths_mm))]
+
+
+def integument_closer(skin: Mesh, depths_mm: Depths) -> list[Mesh]:
+    """For many layers, which at the default gap may find no room in the thinnest parts."""
+    return [shell.mesh for shell in create_shells(skin, shells_inputs(depths_mm, min_gap_mm=CLOSER_GAP_MM))]
 
 
 def vertex_normal_offset(skin: Mesh, depths_mm: Depths) -> list[Mesh]:
@@ -84,6 +90,7 @@ MAKERS: dict[str, Maker] = {
 }
 if find_spec("meshlib") is not None:
     MAKERS["MeshLib voxel offset 0.75 mm, decimated"] = meshlib_offset
+VARIANTS: dict[str, Maker] = {f"integument, min_gap_mm {CLOSER_GAP_MM:g}": integument_closer}
 
 
 def warm_up(maker: Maker) -> None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 
 
-def print_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A heading and a table, at once on standard output."""
+def print_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """A heading and a table on standard output, every row as soon as it is there."""
     print(f"\n### {title}\n")
-    for row in (head, ["---"] * len(head), *rows):
-        print("| " + " | ".join(row) + " |")
+    for row in chain((head, ["---"] * len(head)), rows):
+        print("| " + " | ".join(row) + " |", flush=True)
     print(flush=True)
 
 

@@ -13,12 +13,12 @@ from core.mesh import Mesh
 Floats = NDArray[np.float64]
 
 
-def isosurface(value: Callable[[Floats], Floats], half_mm: float, voxel_mm: float, level: float = 0.0) -> Mesh:
-    """Marching cubes of a function of place over a cube of side 2 * half_mm; inside is where value > level."""
+def isosurface(value: Callable[[Floats], Floats], half_mm: float, voxel_mm: float) -> Mesh:
+    """Marching cubes of a function of place over a cube of side 2 * half_mm; inside is where it is positive."""
     axis = np.arange(-half_mm, half_mm + voxel_mm / 2, voxel_mm)
     grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1)
     points = grid.transpose(2, 1, 0, 3).reshape(-1, 3)  # x runs fastest
-    vertices, faces, _edges = igl.marching_cubes(-value(points), points, len(axis), len(axis), len(axis), -level)
+    vertices, faces, _edges = igl.marching_cubes(-value(points), points, len(axis), len(axis), len(axis))
     volume = np.einsum("fi,fi->f", vertices[faces[:, 0]], np.cross(vertices[faces[:, 1]], vertices[faces[:, 2]])).sum()
     return Mesh.of(vertices, faces if volume > 0 else faces[:, ::-1]).rounded_to_float32()
 

@@ -11,7 +11,7 @@ import yaml
 from tests.project.sources import ROOT, name_of
 
 PAGES = sorted(path for folder in (ROOT, ROOT / "client", ROOT / "docs") for path in folder.glob("*.md")) + sorted(
-    (ROOT / "docs" / "adr").glob("*.md")
+    path for folder in ("adr", "algorithms") for path in (ROOT / "docs" / folder).glob("*.md")
 )
 
 
