@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -217,6 +218,8 @@ def _pair_is_crowded(
     if shared == 1:
         spoke = min(_shortest_spoke(corners, face, corner), _shortest_spoke(corners, other, other_corner))
         reach = min(limit, NEIGHBOUR_SHARE**2 * spoke)
+        if _are_parted(corners, face, corner, other, other_corner, reach):
+            return False
         touching: bool = _side_is_near(corners, face, corner, other, reach) or _side_is_near(
             corners, other, other_corner, face, reach
         )
@@ -224,6 +227,33 @@ def _pair_is_crowded(
     if shared == 2:
         folded: bool = _is_folded(corners, face, 3 - corner_sum, other, 3 - other_sum)
         return folded
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _are_parted(corners: Floats, face: int, corner: int, other: int, other_corner: int, limit: float) -> bool:
+    """True if a plane through the common corner keeps the opposite sides of both faces sqrt(limit) away: the usual case.
+
+    Its normal is the difference of the directions in which the two faces leave the corner.
+    """
+    wx, wy, wz = 0.0, 0.0, 0.0
+    for turn in range(1, 3):
+        for sign, which, tip in ((1.0, face, (corner + turn) % 3), (-1.0, other, (other_corner + turn) % 3)):
+            x = corners[which, tip, 0] - corners[face, corner, 0]
+            y = corners[which, tip, 1] - corners[face, corner, 1]
+            z = corners[which, tip, 2] - corners[face, corner, 2]
+            length = math.sqrt(x * x + y * y + z * z)
+            if length == 0.0:
+                return False
+            wx, wy, wz = wx + sign * x / length, wy + sign * y / length, wz + sign * z / length
+    margin = math.sqrt(limit * (wx * wx + wy * wy + wz * wz)) * (1.0 + 1e-9)
+    for turn in range(1, 3):
+        for sign, which, tip in ((1.0, face, (corner + turn) % 3), (-1.0, other, (other_corner + turn) % 3)):
+            x = corners[which, tip, 0] - corners[face, corner, 0]
+            y = corners[which, tip, 1] - corners[face, corner, 1]
+            z = corners[which, tip, 2] - corners[face, corner, 2]
+            if not sign * (x * wx + y * wy + z * wz) > margin:
+                return False
     return True
 
 
