@@ -59,8 +59,13 @@ def graft(
     pieces = base_piece, donor_piece
     trees = FaceTree.of(base.vertices, base.faces), FaceTree.of(donor.vertices, donor.faces)
     for attempt in range(1, ATTEMPTS + 1):
-        pieces, pairs = match_rims(pieces, margin_mm + max_distance_mm)
-        apart_mm = require_near(pieces, trees, max_distance_mm)
+        try:
+            pieces, pairs = match_rims(pieces, margin_mm + max_distance_mm)
+            apart_mm = require_near(pieces, trees, max_distance_mm)
+        except InputError:
+            if attempt == 1:
+                raise
+            break  # what is left after widening cannot be joined: what crossed before is the reason to tell
         joined, seams = join(pieces, pairs, trees, max_distance_mm)
         kept, put_in = (int(piece.taken.sum()) for piece in pieces)
         misfits = find_misfits(joined, kept, put_in)
@@ -71,8 +76,8 @@ def graft(
             return Graft(joined, kept, put_in, band, removed, bisected, seams, apart_mm, attempt)
         pieces = widen(pieces, joined, misfits)
     message = (
-        f"the seam runs through the surface or folds onto it at {len(misfits)} faces, also after it was widened {ATTEMPTS - 1} "
-        "times; move the box to where base and donor run side by side, or use another seam width"
+        f"the seam runs through the surface or folds onto it at {len(misfits)} faces, and widening it does not help; "
+        "move the box to where base and donor run side by side, or use another seam width"
     )
     places = joined.triangles()[misfits].mean(axis=1)
     raise InputError(

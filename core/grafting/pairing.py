@@ -32,7 +32,7 @@ def match_rims(pieces: Pieces, depth_mm: float) -> tuple[Pieces, Pairs]:
         if turned is None:
             break
         pairs, alone = _pair_pieces(turned)
-        if not any(alone):
+        if pairs and not any(alone):
             return turned, pairs
         turned = _turn_one(turned, alone, depth_mm)
     pairs, alone = _pair_pieces(pieces)

@@ -162,6 +162,26 @@ def test_too_far_says_how_far_and_where() -> None:
     assert validate({"made": made.mesh}).verdict == "simulation_ready"
 
 
+def plate(thickness: float, z: float) -> Mesh:
+    return Mesh.of(cube(1).vertices * (100, 100, thickness) + (0, 0, z), cube(1).faces)
+
+
+def test_a_seam_that_crosses_is_widened() -> None:
+    half: Box = ((50.0, -50.0, -50.0), (150.0, 150.0, 60.0))
+    made = graft_rounded(plate(0.5, 0), plate(0.5, 0.3), half, seam_mm=6.0)
+    assert made.attempts > 1
+    assert validate({"made": made.mesh}).verdict == "simulation_ready"
+
+
+def test_a_seam_that_crosses_however_wide_is_refused() -> None:
+    # halves of thin plates, one above the other: at the rim of each the step is larger than the plate is thick
+    half: Box = ((50.0, -50.0, -50.0), (150.0, 150.0, 60.0))
+    with pytest.raises(InputError) as refusal:
+        graft_rounded(plate(0.5, 0), plate(0.5, 1.0), half, seam_mm=6.0)
+    assert refusal.value.code == "graft.seam_crosses"
+    assert refusal.value.findings[0].places
+
+
 def test_a_seam_too_fine_is_a_limit() -> None:
     with pytest.raises(LimitError) as refusal:
         graft_rounded(sphere(5000, 2), sphere(5000, 2), ((-9e3, -9e3, 20), (9e3, 9e3, 9e3)), seam_mm=0.2)
