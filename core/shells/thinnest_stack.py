@@ -17,8 +17,8 @@ from core.shells.sheet import Sheet
 
 FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
-ATTEMPTS = 40
-PATIENCE = 10  # attempts after which edges are collapsed also where pushing harder has not helped
+ATTEMPTS = 60
+PATIENCE = 20  # attempts after which edges are collapsed also where pushing harder has not helped
 
 
 def thinnest_stack(
