@@ -63,6 +63,8 @@ def _check_padding(surplus: int) -> list[Finding]:
 
 
 def _is_text(head: bytes) -> bool:
-    """True if nearly all bytes are printable ASCII or white space."""
+    """True if nearly all bytes are printable ASCII or white space, and none is zero as in the count of a cut-off binary."""
+    if b"\0" in head:
+        return False
     printable = sum(32 <= byte < 127 or byte in b"\t\n\r\f" for byte in head)
     return printable >= 0.95 * len(head)
