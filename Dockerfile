@@ -9,6 +9,7 @@ FROM ${UV_IMAGE} AS uv
 FROM ${PYTHON_IMAGE} AS build
 COPY --from=uv /uv /usr/local/bin/uv
 ENV UV_COMPILE_BYTECODE=1 \
+    UV_CACHE_DIR=/uv-cache \
     UV_LINK_MODE=copy \
     UV_PROJECT_ENVIRONMENT=/opt/integument \
     UV_PYTHON_DOWNLOADS=never
@@ -16,7 +17,7 @@ WORKDIR /src
 # the dependencies change less often than the code and get a layer of their own
 COPY pyproject.toml uv.lock ./
 COPY client/pyproject.toml client/
-RUN --mount=type=cache,target=/root/.cache/uv \
+RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --no-install-workspace
 COPY LICENSE README.md ./
 COPY client client
@@ -26,7 +27,7 @@ COPY sandbox sandbox
 COPY server server
 COPY store store
 COPY worker worker
-RUN --mount=type=cache,target=/root/.cache/uv \
+RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --no-editable
 
 FROM ${PYTHON_IMAGE}

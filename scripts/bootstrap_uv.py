@@ -16,6 +16,7 @@ import sys
 import urllib.request
 import zipfile
 from pathlib import Path
+from urllib.parse import urljoin
 
 HOME = Path(__file__).resolve().parent.parent / ".uv"
 INDEX = os.environ.get("UV_BOOTSTRAP_INDEX", "https://pypi.org")
@@ -41,10 +42,11 @@ def install_with_pip() -> str | None:
 def unpack_wheel() -> str:
     """uv's own wheel, checked against the index's sha256."""
     with urllib.request.urlopen(f"{INDEX}/pypi/uv/json") as reply:
-        files = json.load(reply)["urls"]
+        files, place = json.load(reply)["urls"], reply.url
     machine = platform.machine()
     wheel = next(f for f in files if f["filename"].endswith(f"manylinux_2_17_{machine}.manylinux2014_{machine}.whl"))
-    with urllib.request.urlopen(wheel["url"]) as reply:
+    # a mirror may answer with links relative to its own page
+    with urllib.request.urlopen(urljoin(place, wheel["url"])) as reply:
         payload = reply.read()
     if hashlib.sha256(payload).hexdigest() != wheel["digests"]["sha256"]:
         sys.exit("the uv wheel does not match its published sha256")
