@@ -16,6 +16,8 @@ from integument import Client, EmbeddedServer, ServerNotInstalledError, ServerSt
 from integument.cli import main
 from integument.data_folder import DataFolder, default_data_dir
 
+from core.schema.processes import PROCESSES
+
 USER = """
 import sys
 from pathlib import Path
@@ -54,7 +56,7 @@ def test_a_server_goes_with_its_last_user_however_the_users_end(
         # who started it is dead; we are still there
         with pytest.raises(psutil.TimeoutExpired):
             server.wait(1)
-        assert [process.id for process in client.processes()] == ["validate", "shells"]
+        assert [process.id for process in client.processes()] == list(PROCESSES)
     server.wait(30)
     with pytest.raises(httpx.ConnectError):
         httpx.get(f"{url}/healthz", trust_env=False)
