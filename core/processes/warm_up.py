@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from core.geometry.clearance import Clearance, MovingSurface
 from core.grafting.band import triangulate_band
 from core.mesh import Mesh
 from core.reports.figures.compose import draw_mesh_figures
 from core.schema.reference import MeshReference
 from core.schema.shells import Layer, ShellsInputs
-from core.shells.clearance import Clearance, MovingSurface
 from core.shells.nested_shells import create_shells
 from core.shells.reconnect import Remedy, reconnect
 from core.shells.sheet import Sheet

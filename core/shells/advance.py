@@ -8,13 +8,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from core.geometry.clearance import Clearance, MovingSurface
 from core.geometry.distance import closest_points_in
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_crosses
 from core.geometry.quality import quality
 from core.mesh import Faces, Vertices
 from core.run import RunContext
-from core.shells.clearance import Clearance, MovingSurface
 from core.shells.reconnect import Remedy, reconnect
 from core.shells.sheet import Sheet
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import InputError
+from core.geometry.clearance import Clearance
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import vertex_normals
 from core.mesh import Mesh
@@ -15,7 +16,6 @@ from core.run import SILENT, RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.schema.shells import ShellsInputs
 from core.shells.advance import Surroundings, advance
-from core.shells.clearance import Clearance
 from core.shells.depth_field import limit_slope, target_depths
 from core.shells.inward_shift import inward_shift
 from core.shells.reach import measure_reach

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.geometry.clearance import Clearance, MovingSurface
+from core.geometry.connectivity import Connectivity
 from core.geometry.quality import quality, side_lengths
-from core.shells.clearance import Clearance, MovingSurface
 from core.shells.edge_choice import choose_collapses, choose_flips
-from core.shells.sheet import Connectivity, Sheet
+from core.shells.sheet import Sheet
 
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]

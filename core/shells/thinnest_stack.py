@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import InputError
+from core.geometry.clearance import Clearance, MovingSurface
 from core.geometry.face_tree import FaceTree
 from core.mesh import Mesh
 from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
-from core.shells.clearance import Clearance, MovingSurface
 from core.shells.inward_shift import inward_shift
 from core.shells.reconnect import collapse_edges, shortest_sides
 from core.shells.sheet import Sheet

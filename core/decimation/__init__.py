@@ -1,0 +1,1 @@
+"""Fewer triangles, same surface."""

@@ -1,0 +1,1 @@
+"""From a defective surface to a closed manifold one, with the smallest change."""

@@ -1,0 +1,29 @@
+"""What a process works on: one surface, several by name, or a package."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from core.schema.model import FrozenModel
+from core.schema.reference import MeshReference
+from core.schema.validate import MeshName
+
+
+class SurfacesInputs(FrozenModel):
+    """Exactly one of `mesh`, `meshes` and `package`. Several surfaces are treated together and stay apart."""
+
+    mesh: MeshReference | None = Field(None, description="One surface")
+    meshes: Annotated[dict[MeshName, MeshReference], Field(min_length=1, max_length=64)] | None = Field(
+        None, description="Surfaces by name, treated together: none may come nearer to another than `min_gap_mm`"
+    )
+    package: MeshReference | None = Field(None, description="The package of an earlier job: all its surfaces, treated together")
+    min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two surfaces treated together")
+
+    @model_validator(mode="after")
+    def _one_subject(self) -> SurfacesInputs:
+        given = [name for name in ("mesh", "meshes", "package") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"exactly one of mesh, meshes and package is wanted, got {', '.join(given) or 'none'}")
+        return self

@@ -1,0 +1,1 @@
+"""Better triangles, same surface."""
