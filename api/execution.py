@@ -15,7 +15,7 @@ from api.violations import ViolationsError
 from core.errors import InputError
 from core.schema.model import FrozenModel
 from core.schema.processes import ProcessDescription
-from core.schema.reference import MeshReference
+from core.schema.reference import MeshReference, PackageReference
 from store.job import MeshInput
 
 _ORIGIN = re.compile(r"^https?://[^/]+")
@@ -45,7 +45,13 @@ def resolve_meshes(services: Services, inputs: FrozenModel) -> tuple[dict[str, A
     """The inputs as stored (links without host: only their path counts) and the meshes they are bound to.
 
     Raises InputError `reference.*`."""
-    meshes = [services.mesh_inputs.resolve(href) for href in dict.fromkeys(map(path_of, hrefs_in(inputs)))]
+    wanted = dict.fromkeys(
+        (path_of(reference.href), isinstance(reference, PackageReference)) for reference in references_in(inputs)
+    )
+    meshes = [
+        services.mesh_inputs.resolve_package(href) if is_package else services.mesh_inputs.resolve(href)
+        for href, is_package in wanted
+    ]
     stored = _with_paths(inputs.model_dump(mode="json", exclude_none=True))
     return stored, meshes
 
@@ -55,19 +61,19 @@ def path_of(href: str) -> str:
     return _ORIGIN.sub("", href)
 
 
-def hrefs_in(value: object) -> Iterator[str]:
-    """The links of every mesh reference in validated inputs."""
+def references_in(value: object) -> Iterator[MeshReference]:
+    """Every reference to a mesh or package in validated inputs."""
     if isinstance(value, MeshReference):
-        yield value.href
+        yield value
     elif isinstance(value, FrozenModel):
         for name in type(value).model_fields:
-            yield from hrefs_in(getattr(value, name))
+            yield from references_in(getattr(value, name))
     elif isinstance(value, Mapping):
         for item in value.values():
-            yield from hrefs_in(item)
+            yield from references_in(item)
     elif isinstance(value, list | tuple):
         for item in value:
-            yield from hrefs_in(item)
+            yield from references_in(item)
 
 
 def _with_paths(value: Any) -> Any:

@@ -6,14 +6,13 @@ import re
 from pathlib import PurePath
 
 from core.errors import InputError, StateError
-from core.schema.reference import MESH_HREF, RESULT_HREF
+from core.schema.reference import MESH_HREF, MESH_MEDIA_TYPES, PACKAGE_MEDIA_TYPES, RESULT_HREF
 from store.blobs import Blobs
 from store.database import Database
 from store.job import JobStatus, MeshInput
 from store.jobs import Jobs
 from store.meshes import CANONICAL_MEDIA_TYPE, Meshes
 
-MESH_MEDIA_TYPES = (CANONICAL_MEDIA_TYPE, "model/stl")
 _HREF = re.compile(rf"(?:https?://[^/]+)?(?P<path>{MESH_HREF}|{RESULT_HREF})")
 
 
@@ -30,6 +29,23 @@ class MeshInputs:
 
         Raises InputError `reference.invalid` (no such link here), `reference.not_found` (nothing there),
         `reference.not_ready` (that job has not succeeded), `reference.not_a_mesh` (that output is no mesh)."""
+        mesh = self._find(href)
+        if mesh.media_type not in MESH_MEDIA_TYPES:
+            raise InputError("reference.not_a_mesh", f"output '{mesh.file_name}' is {mesh.media_type}, not a mesh", href=href)
+        return mesh
+
+    def resolve_package(self, href: str) -> MeshInput:
+        """The package behind a link, kept as long as a mesh.
+
+        Raises InputError as `resolve`, with `reference.not_a_package` if that output is none."""
+        package = self._find(href)
+        if package.media_type not in PACKAGE_MEDIA_TYPES:
+            raise InputError(
+                "reference.not_a_package", f"'{package.file_name}' is {package.media_type}, not the package of a job", href=href
+            )
+        return package
+
+    def _find(self, href: str) -> MeshInput:
         match = _HREF.fullmatch(href)
         if match is None:
             raise InputError("reference.invalid", f"{href!r} is no link to a mesh or a result of this server", href=href)
@@ -57,6 +73,4 @@ class MeshInputs:
             raise InputError(
                 "reference.not_found", f"job {job_id} has no output '{name}', only {', '.join(job.outputs)}", href=href
             )
-        if output.media_type not in MESH_MEDIA_TYPES:
-            raise InputError("reference.not_a_mesh", f"output '{name}' is {output.media_type}, not a mesh", href=href)
         return MeshInput(href, PurePath(output.file_name).stem, output.sha256, output.media_type, output.file_name)

@@ -1,4 +1,4 @@
-"""Input mesh references: an uploaded mesh, or an output of an earlier job."""
+"""Input references: an uploaded mesh, an output of an earlier job, or the package of one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from pydantic import Field
 from core.schema.model import FrozenModel
 
 CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"  # the internal form of an upload (core.io.canonical)
+MESH_MEDIA_TYPES = (CANONICAL_MEDIA_TYPE, "model/stl")
+PACKAGE_MEDIA_TYPES = ("application/zip",)
 MESH_HREF = r"/v1/meshes/[0-9a-f-]{36}"
 RESULT_HREF = r"/v1/jobs/[0-9a-f-]{36}/results/[A-Za-z0-9_.-]{1,64}"
 
@@ -23,3 +25,13 @@ class MeshReference(FrozenModel):
     rel: str | None = Field(None, description="Ignored", max_length=200)
     title: str | None = Field(None, description="Ignored", max_length=200)
     hreflang: str | None = Field(None, description="Ignored", max_length=50)
+
+
+class PackageReference(MeshReference):
+    """A link to the package of an earlier job: all its surfaces with their names, depths and conductivities."""
+
+    href: str = Field(
+        description="`/v1/jobs/{id}/results/package` of a job that made one",
+        max_length=500,
+        pattern=rf"^(https?://[^/]+)?{RESULT_HREF}$",
+    )

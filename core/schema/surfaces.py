@@ -7,8 +7,11 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from core.schema.model import FrozenModel
-from core.schema.reference import MeshReference
+from core.schema.reference import MeshReference, PackageReference
 from core.schema.validate import MeshName
+
+# outputs of the process itself, and BEM-FMM's word for air
+RESERVED_NAMES = ("package", "report", "report_html", "FreeSpace")
 
 
 class SurfacesInputs(FrozenModel):
@@ -18,7 +21,9 @@ class SurfacesInputs(FrozenModel):
     meshes: Annotated[dict[MeshName, MeshReference], Field(min_length=1, max_length=64)] | None = Field(
         None, description="Surfaces by name, treated together: none may come nearer to another than `min_gap_mm`"
     )
-    package: MeshReference | None = Field(None, description="The package of an earlier job: all its surfaces, treated together")
+    package: PackageReference | None = Field(
+        None, description="The package of an earlier job: all its surfaces, treated together"
+    )
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two surfaces treated together")
 
     @model_validator(mode="after")
@@ -26,4 +31,8 @@ class SurfacesInputs(FrozenModel):
         given = [name for name in ("mesh", "meshes", "package") if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"exactly one of mesh, meshes and package is wanted, got {', '.join(given) or 'none'}")
+        # names become outputs and files, and some file systems do not tell cases apart
+        names = list(self.meshes or ())
+        if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
+            raise ValueError(f"names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
         return self

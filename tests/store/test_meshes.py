@@ -103,6 +103,25 @@ def test_a_link_to_a_result_is_bound_to_its_bytes(jobs: Jobs, blobs: Blobs, mesh
     assert (mesh.name, mesh.sha256, mesh.media_type, mesh.file_name) == ("fat", blob.sha256, "model/stl", "fat.stl")
 
 
+def test_a_package_is_one_and_a_mesh_is_none(jobs: Jobs, blobs: Blobs, mesh_inputs: MeshInputs) -> None:
+    blob = blobs.put_bytes(b"PK")
+    outputs = {
+        "package": JobOutput(blob.sha256, blob.size, "application/zip", "package.zip"),
+        "fat": JobOutput(blob.sha256, blob.size, "model/stl", "fat.stl"),
+    }
+    job = f"/v1/jobs/{finished_with(jobs, outputs)}/results"
+    package = mesh_inputs.resolve_package(f"{job}/package")
+    assert (package.sha256, package.media_type, package.file_name) == (blob.sha256, "application/zip", "package.zip")
+    for resolve, name, code in (
+        (mesh_inputs.resolve, "package", "reference.not_a_mesh"),
+        (mesh_inputs.resolve_package, "fat", "reference.not_a_package"),
+        (mesh_inputs.resolve_package, "skin", "reference.not_found"),
+    ):
+        with pytest.raises(InputError) as caught:
+            resolve(f"{job}/{name}")
+        assert caught.value.code == code
+
+
 def test_every_bad_link_is_refused_by_name(
     jobs: Jobs, blobs: Blobs, meshes: Meshes, mesh_inputs: MeshInputs, tmp_path: Path
 ) -> None:

@@ -1,0 +1,81 @@
+"""The surfaces a job is about: one, several by name, or those of a package; rounded to what their files will hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.errors import InternalError
+from core.mesh import Mesh
+from core.package.read import read_package
+from core.processes.named_input import load_input
+from core.run import RunContext
+from core.schema.surfaces import SurfacesInputs
+
+ONE = "mesh"  # the name of a surface that came alone, and of its output
+
+
+@dataclass(frozen=True, slots=True)
+class TissueFacts:
+    """What a package says of a tissue beside its surface, see `core.package.tissue.Tissue`."""
+
+    depth_mm: float | None
+    conductivity_s_per_m: float
+    enclosing: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoadedSurfaces:
+    """What a job works on.
+
+    meshes: by name, exact in float32; of a package in nesting order. tissues: by name what a package said of them, else empty.
+    sources: what went in by name and checksum, as the parameters of a report hold it. changes: what rounding moved.
+    together: they came as a set, so the result is a package, however many they are.
+    """
+
+    meshes: Mapping[str, Mesh]
+    tissues: Mapping[str, TissueFacts]
+    sources: Mapping[str, Any]
+    changes: tuple[dict[str, Any], ...]
+    together: bool
+
+
+def load_surfaces(inputs: SurfacesInputs, entries: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSurfaces:
+    """All surfaces of the inputs; the whole of `run`.
+
+    Raises: InputError `reference.not_a_mesh`, `package.corrupt`, `package.checksum_mismatch`; InternalError
+    `reference.unresolved`, `canonical.corrupt`.
+    """
+    tissues: dict[str, TissueFacts] = {}
+    if inputs.package is not None:
+        href = inputs.package.href
+        entry = entries.get(href)
+        if entry is None:
+            raise InternalError("reference.unresolved", f"{href} was accepted but not resolved", href=href)
+        package = read_package(Path(entry["path"]))
+        read: Mapping[str, Mesh] = package.surfaces
+        sources: dict[str, Any] = {"package": {"name": entry["file_name"], "sha256": entry["sha256"]}}
+        for tissue in package.manifest.tissues:
+            tissues[tissue.name] = TissueFacts(tissue.depth_mm, tissue.conductivity_s_per_m, tissue.enclosing_tissue)
+    else:
+        references = {ONE: inputs.mesh} if inputs.mesh is not None else inputs.meshes or {}
+        loaded = {name: load_input(reference.href, entries) for name, reference in references.items()}
+        read = {name: source.mesh for name, source in loaded.items()}
+        named = {name: {"name": source.name, "sha256": source.sha256} for name, source in loaded.items()}
+        sources = named if inputs.mesh is not None else {"meshes": named}
+    rounded = {name: mesh.rounded_to_float32() for name, mesh in read.items()}
+    run.advance(1.0, ", ".join(f"{name}: {len(mesh.faces)} faces" for name, mesh in rounded.items()))
+    return LoadedSurfaces(rounded, tissues, sources, _shifts(read, rounded), inputs.mesh is None)
+
+
+def _shifts(read: Mapping[str, Mesh], rounded: Mapping[str, Mesh]) -> tuple[dict[str, Any], ...]:
+    shifts = {name: float(np.abs(rounded[name].vertices - mesh.vertices).max()) for name, mesh in read.items()}
+    return tuple(
+        {"mesh": name, "what": "coordinates rounded to float32", "largest_shift_mm": shift}
+        for name, shift in shifts.items()
+        if shift
+    )
