@@ -66,7 +66,8 @@ class SmoothInputs(SurfacesInputs):
     @model_validator(mode="after")
     def _consistent(self) -> SmoothInputs:
         for name, methods in OWN_PARAMETERS.items():
-            if name in self.model_fields_set and self.method not in methods:
+            # a job is stored with its defaults written down, so what was sent cannot be told from them
+            if getattr(self, name) != type(self).model_fields[name].default and self.method not in methods:
                 raise ValueError(f"{name} belongs to {' and '.join(methods)}, the method is {self.method}")
         if self.method == "taubin" and not -self.taubin_mu > self.taubin_lambda:
             raise ValueError(f"taubin_mu {self.taubin_mu} must step out farther than taubin_lambda {self.taubin_lambda} steps in")
