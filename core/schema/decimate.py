@@ -49,7 +49,7 @@ class DecimateInputs(SurfacesInputs):
     )
     literal: bool = Field(
         False,
-        description="The thesis' Appendix A step for step, without guards and without proof; may break the surface. For comparison",
+        description="Appendix A of the thesis step for step, without guards or proof; may break the surface. For comparison",
     )
 
     @model_validator(mode="after")
