@@ -85,14 +85,14 @@ def _place_layers(
     shift = inward_shift(skin.vertices, skin.faces, whole.net.faces_around)
     tree = FaceTree.of(skin.vertices, skin.faces)
     shells: list[Shell] = []
-    inner: tuple[Mesh, Floats] | None = None
+    inner: tuple[FaceTree, Floats] | None = None
     for row in reversed(range(len(stack))):
         name, done, width = inputs.layers[row].name, len(stack) - 1 - row, 0.9 / len(stack)
         stage = run.stage(f"shells: {name}", 0.1 + done * width, 0.1 + (done + 1) * width)
         obstacles = [tree if row == 0 else FaceTree.of(stack[row - 1].vertices, stack[row - 1].net.faces)]
         depth = allowed[row]
         if inner is not None:
-            obstacles.append(FaceTree.of(inner[0].vertices, inner[0].faces))
+            obstacles.append(inner[0])
             share = np.maximum(_split(len(stack)), targets[row] / targets[row + 1])
             depth = np.minimum(depth, share * inner[1])
         around = Surroundings(tree, replace(clearance, obstacles=tuple(obstacles)))
@@ -102,7 +102,8 @@ def _place_layers(
         mesh = Mesh.of(sheet.vertices, sheet.net.faces).rounded_to_float32()
         reached, _away = around.depth(mesh.vertices)
         shells.append(Shell(name, mesh, targets[row][sheet.origin], depth[sheet.origin], reached))
-        inner = mesh, reached[sheet.stand_in]
+        # not the rounded mesh: it may be nearer to the next layer's start by the rounding
+        inner = FaceTree.of(sheet.vertices, sheet.net.faces), reached[sheet.stand_in]
     return tuple(reversed(shells))
 
 
