@@ -73,13 +73,37 @@ class PairReport(FrozenModel):
 class ThicknessReport(FrozenModel):
     """How well one layer keeps its depth. Shares are of the layer's area; depth is the Euclidean distance to the skin."""
 
-    target_mm: float = Field(description="Depth asked for outside all regions")
+    side: Literal["inside", "outside"] = Field("inside", description="On which side of the skin the layer lies")
+    target_mm: float = Field(
+        description="Depth asked for outside all regions; if it was given for each vertex, the median by area of all asked for"
+    )
+    target_array: str | None = Field(None, description="Array of the skin's upload that gave the depths, if one did")
     on_target_area: float = Field(ge=0, le=1, description="Within 5 % of the local target")
     limited_area: float = Field(ge=0, le=1, description="Off target where the reach does not allow the target")
     missed_area: float = Field(ge=0, le=1, description="Off target although the reach would allow it")
     min_mm: float
     max_mm: float
     percentiles_mm: dict[str, float] = Field(description='Keys "1", "5", "25", "50", "75", "95", "99"')
+
+
+class DeviationNumbers(FrozenModel):
+    """Distances between a surface and the one it was made from, measured at vertices and in the middles of faces."""
+
+    maximum_mm: float = Field(description="The larger of both ways")
+    rms_mm: float = Field(description="Root mean square over the area of both")
+    from_original_mm: float = Field(description="Largest distance from the original to the result")
+    to_original_mm: float = Field(description="Largest distance from the result to the original")
+    at_mm: tuple[float, float, float] = Field(description="Where they are farthest apart")
+
+
+class ComparisonReport(FrozenModel):
+    """A surface against the one it was made from."""
+
+    before: MeshReport = Field(description="The surface as it came, rounded to float32")
+    kept_vertices: int = Field(description="Vertices of the result that the original has bit for bit")
+    deviation: DeviationNumbers
+    area_change: float | None = Field(description="Share of the area before; null if there was none")
+    volume_change: float | None = Field(description="Share of the volume before; null unless both are closed")
 
 
 class Report(FrozenModel):
@@ -91,6 +115,7 @@ class Report(FrozenModel):
     meshes: dict[str, MeshReport] = {}
     pairs: tuple[PairReport, ...] = ()
     thickness: dict[str, ThicknessReport] = {}
+    comparisons: dict[str, ComparisonReport] = Field({}, description="Mesh name -> what became of the surface that came")
     nesting: dict[str, str | None] = Field({}, description="Mesh name -> the mesh that encloses it most closely, or null")
     findings: tuple[Finding, ...] = ()
     changes: tuple[dict[str, Any], ...] = ()
