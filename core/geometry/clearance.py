@@ -194,13 +194,13 @@ def _mark_own(
                 # a pair of two asked faces is met from both sides; once is enough
                 if other == face or (wanted[other] and other < face) or _outside(box, corners, other):
                     continue
-                if _pair_is_crowded(corners, ids, face, other, limit, heights, point):
+                if pair_is_crowded(corners, ids, face, other, limit, heights, point):
                     crowded[face] = True
                     crowded[other] = True
 
 
 @njit(cache=True, nogil=True)
-def _pair_is_crowded(
+def pair_is_crowded(
     corners: Floats, ids: NDArray[np.int32], face: int, other: int, limit: float, heights: Floats, point: Floats
 ) -> bool:
     """Two faces of one surface: by distance, or by opening where they share a corner or an edge."""
