@@ -18,7 +18,7 @@ from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_areas, vertex_normals
 from core.io.registry import read_meshes
 from core.mesh import Mesh
-from core.shells.nested_shells import ON_TARGET
+from core.shells.room import ON_TARGET
 from core.shells.reach import measure_reach
 from core.validation.measure import measure_surface
 from core.validation.surface import Surface

@@ -18,6 +18,7 @@ from integument.errors import ArgumentError, JobDismissedError, JobFailedError, 
 from integument.event import JobEvent
 from integument.follow import follow_events, past_events
 from integument.job import Job
+from integument.layer import as_layer
 from integument.mesh import Mesh
 from integument.process import Process
 from integument.region import Region
@@ -220,26 +221,34 @@ class Client:
     def shells(
         self,
         skin: MeshInput,
-        layers: Mapping[str, float] | None = None,
+        layers: Mapping[str, float | str] | None = None,
         regions: Sequence[Region] = (),
         *,
+        outer_layers: Mapping[str, float | str] | None = None,
         unit: Unit = "mm",
         thin_policy: Literal["adapt", "fail"] = "adapt",
         min_gap_mm: float | None = None,
+        skin_shift_mm: float | None = None,
         on_event: OnEvent | None = None,
     ) -> Job:
-        """Nested shells inside a skin: uploads it if needed, queues the job and waits.
+        """Nested shells inside a skin, and around it: uploads it if needed, queues the job and waits.
 
-        layers: name -> depth in mm, from outside inwards; without them fat 1 mm and average_body 3 mm.
+        layers: name -> depth in mm, or the name of an array of a MAT upload with the depth at each vertex, from outside
+        inwards. outer_layers: the same for layers around the skin. Without any, fat 1 mm and average_body 3 mm inside.
         Raises: as `upload_mesh`, `execute` and `wait`.
         """
         inputs: dict[str, Any] = {"skin": self._reference(skin, unit), "thin_policy": thin_policy}
-        if layers is not None:
-            inputs["layers"] = [{"name": name, "depth_mm": depth_mm} for name, depth_mm in layers.items()]
+        if layers is not None or outer_layers is not None:
+            inputs["layers"] = [
+                *(as_layer(name, depth, "outside") for name, depth in (outer_layers or {}).items()),
+                *(as_layer(name, depth) for name, depth in (layers or {}).items()),
+            ]
         if regions:
             inputs["regions"] = [region.as_input() for region in regions]
         if min_gap_mm is not None:
             inputs["min_gap_mm"] = min_gap_mm
+        if skin_shift_mm is not None:
+            inputs["skin_shift_mm"] = skin_shift_mm
         return self.wait(self.execute("shells", inputs), on_event)
 
     def validate(

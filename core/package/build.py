@@ -89,6 +89,7 @@ def _tissue_entry(tissue: Tissue, files: dict[str, FileEntry]) -> TissueEntry:
         vertices=len(tissue.mesh.vertices),
         faces=len(tissue.mesh.faces),
         depth_mm=tissue.depth_mm,
+        side=tissue.side,
         conductivity_s_per_m=tissue.conductivity_s_per_m,
         conductivity_source=default.source if is_default else "given with the tissue",
         enclosing_tissue=tissue.enclosing,

@@ -21,7 +21,7 @@ class FileEntry(FrozenModel):
 
 
 class TissueEntry(FrozenModel):
-    """One tissue; the list is in nesting order, the skin first."""
+    """One tissue; the list is in nesting order, the outermost first."""
 
     name: str
     file: str = Field(description="Binary STL, path in the package")
@@ -30,7 +30,10 @@ class TissueEntry(FrozenModel):
     mat_sha256: str
     vertices: int
     faces: int
-    depth_mm: float | None = Field(description="Target below the skin outside all regions; null for the skin")
+    depth_mm: float | None = Field(
+        description="Distance to the skin asked for outside all regions, or their median if given by vertex; null for the skin"
+    )
+    side: str | None = Field(None, description="`inside` or `outside` of the skin; null for the skin")
     conductivity_s_per_m: float = Field(description="Between this surface and the next ones inside")
     conductivity_source: str
     enclosing_tissue: str = Field(description="Name of a tissue listed before, or FreeSpace")

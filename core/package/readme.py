@@ -57,7 +57,7 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
 
 
 def _depth(tissue: Tissue) -> str:
-    return "-" if tissue.depth_mm is None else f"{tissue.depth_mm:g}"
+    return "-" if tissue.depth_mm is None else f"{tissue.depth_mm:g}{' out' if tissue.side == 'outside' else ''}"
 
 
 def _section(title: str, text: str, outer: str) -> str:

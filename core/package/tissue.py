@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from core.mesh import Mesh
+from core.schema.shells import Side
 
 FREE_SPACE = "FreeSpace"  # BEM-FMM's word for air
 
@@ -13,8 +14,9 @@ FREE_SPACE = "FreeSpace"  # BEM-FMM's word for air
 class Tissue:
     """The tissue between this surface and those of the tissues it encloses.
 
-    mesh: outer surface in mm, every coordinate a float32 value. depth_mm: target below the skin outside all regions, None
-    for the skin. conductivity_s_per_m: inside. enclosing: name of the tissue around it, or FREE_SPACE.
+    mesh: outer surface in mm, every coordinate a float32 value. depth_mm: distance to the skin asked for outside all regions,
+    None for the skin. conductivity_s_per_m: inside. enclosing: name of the tissue around it, or FREE_SPACE. side: of the skin,
+    None for the skin.
     """
 
     name: str
@@ -22,3 +24,4 @@ class Tissue:
     depth_mm: float | None
     conductivity_s_per_m: float
     enclosing: str
+    side: Side | None = None

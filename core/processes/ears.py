@@ -22,8 +22,7 @@ from core.processes.layer_package import LayerJob, deliver_layers
 from core.processes.loaded_skin import LoadedSkin, load_skin
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome
-from core.processes.shells import METHODS as SHELLS_METHODS
-from core.processes.shells import REFERENCES
+from core.processes.shells import REFERENCES, methods_text
 from core.reports.figures.ear_views import EarRegionView, draw_ears
 from core.reports.palette import tissue_colours
 from core.run import RunContext
@@ -207,7 +206,7 @@ def _methods(inputs: EarsInputs, canals: Mapping[str, Mesh], skin: RemeshedSkin)
         (FOUND if inputs.ears == "auto" else "")
         + (CUT.format(moved=skin.moved_mm) if canals else "")
         + THINNER.format(blend=inputs.blend_mm)
-        + SHELLS_METHODS.format(gap=inputs.min_gap_mm)
+        + methods_text(inputs.as_shells(()))
     )
 
 

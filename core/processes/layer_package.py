@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import InternalError
 from core.io.registry import read_meshes, write_mesh
@@ -34,8 +35,8 @@ from core.validation.validate import Validation, validate
 class LayerJob:
     """What differs between the processes that end in layers.
 
-    skin: fit, coordinates exact in float32. describe: findings of the process' own about the shells made. draw: figures of
-    its own about all surfaces by name, before the others.
+    skin: fit, coordinates exact in float32. arrays: name -> (V,) mm, depths that layers may refer to. describe: findings of
+    the process' own about the shells made. draw: figures of its own about all surfaces by name, before the others.
     """
 
     process: str
@@ -45,6 +46,7 @@ class LayerJob:
     references: tuple[str, ...]
     parameters: Mapping[str, Any]
     changes: tuple[dict[str, Any], ...] = ()
+    arrays: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     describe: Callable[[tuple[Shell, ...]], tuple[Finding, ...]] = lambda _shells: ()
     draw: Callable[[Mapping[str, Mesh]], tuple[Figure, ...]] = lambda _surfaces: ()
 
@@ -55,16 +57,16 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     Raises: InputError `layer.*`, `region.*`, `skin.too_thin`, `shells.no_room`; InternalError `shells.not_proven` with a report.
     """
     inputs = job.inputs
-    shells = create_shells(job.skin, inputs, run.stage("shells", 0.0, 0.57))
+    shells = create_shells(job.skin, inputs, run.stage("shells", 0.0, 0.57), job.arrays)
     run.stage("write and read back", 0.57, 0.6)
-    surfaces = {"skin": job.skin, **{shell.name: shell.mesh for shell in shells}}
+    surfaces = _outermost_first(job.skin, shells)
     delivered = _deliver(surfaces, out_dir)
     validation = validate(delivered, min_gap_mm=inputs.min_gap_mm, run=run.stage("prove", 0.6, 0.77))
     report = _report(job, shells, validation)
     _require_proven(report, list(surfaces))
 
     run.stage("figures", 0.77, 0.94)
-    tissues = _tissues(inputs, surfaces)
+    tissues = _tissues(shells, report, surfaces)
     depths = {shell.name: shell.depth_mm for shell in shells}
     figures = (*job.draw(surfaces), *draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings))
     run.stage("package", 0.94, 1.0)
@@ -81,6 +83,13 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     )
 
 
+def _outermost_first(skin: Mesh, shells: tuple[Shell, ...]) -> dict[str, Mesh]:
+    """All surfaces by name, as they nest: layers around the skin, the skin, layers below it."""
+    around = {shell.name: shell.mesh for shell in shells if shell.side == "outside"}
+    below = {shell.name: shell.mesh for shell in shells if shell.side == "inside"}
+    return {**around, "skin": skin, **below}
+
+
 def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
     """Write binary STL and read it back: what is proven is what the files hold."""
     delivered = {}
@@ -92,8 +101,10 @@ def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
 
 
 def _report(job: LayerJob, shells: tuple[Shell, ...], validation: Validation) -> Report:
-    targets = {layer.name: layer.depth_mm for layer in job.inputs.layers}
-    thickness = {shell.name: measure_thickness(shell, targets[shell.name]) for shell in shells}
+    thickness = {
+        shell.name: measure_thickness(shell, layer.depth_mm, layer.depth_array)
+        for shell, layer in zip(shells, job.inputs.layers, strict=True)
+    }
     own = job.describe(shells)
     return Report(
         process=job.process,
@@ -143,7 +154,11 @@ def _require_unchanged(package: Path, delivered: Mapping[str, Mesh]) -> None:
             raise InternalError("package.differs", f"the package does not hold the proven surface '{name}'", mesh=name)
 
 
-def _tissues(inputs: ShellsInputs, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
-    depths = {layer.name: layer.depth_mm for layer in inputs.layers}
+def _tissues(shells: tuple[Shell, ...], report: Report, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
+    depths = {name: layer.target_mm for name, layer in report.thickness.items()}
+    sides = {shell.name: shell.side for shell in shells}
     enclosing = dict(zip(surfaces, (FREE_SPACE, *surfaces), strict=False))
-    return tuple(Tissue(name, mesh, depths.get(name), conductivity_of(name), enclosing[name]) for name, mesh in surfaces.items())
+    return tuple(
+        Tissue(name, mesh, depths.get(name), conductivity_of(name), enclosing[name], sides.get(name))
+        for name, mesh in surfaces.items()
+    )

@@ -13,6 +13,10 @@ from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.run import RunContext
 from core.schema.shells import ShellsInputs
 
+OUTSIDE = (
+    "The layers outside the skin were made in the same way with the faces of the skin turned over, so that the room around the "
+    "body took the place of the body. "
+)
 METHODS = (
     "Every layer was made from the skin by nodal movement along the inward direction that shifts all adjacent faces equally, "
     "the generalised form of Eq. (4.1) of [3]. The depth follows the request and fades smoothly where the inner medial ball [4] "
@@ -29,6 +33,12 @@ REFERENCES = (
 )
 
 
+def methods_text(inputs: ShellsInputs) -> str:
+    """What was done for these inputs, to cite."""
+    outside = any(layer.side == "outside" for layer in inputs.layers)
+    return (OUTSIDE if outside else "") + METHODS.format(gap=inputs.min_gap_mm)
+
+
 def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], run: RunContext, out_dir: Path) -> Outcome:
     """Layers, proof on the files, report and package.
 
@@ -39,7 +49,7 @@ def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
         process="shells",
         skin=source.mesh,
         inputs=inputs,
-        methods=METHODS.format(gap=inputs.min_gap_mm),
+        methods=methods_text(inputs),
         references=REFERENCES,
         parameters={
             **inputs.model_dump(mode="json", exclude={"skin"}),

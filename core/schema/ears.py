@@ -15,6 +15,7 @@ from core.schema.shells import (
     LayerName,
     Region,
     ShellsInputs,
+    SkinShiftMm,
     require_distinct,
     require_ordered,
 )
@@ -66,6 +67,7 @@ class EarsInputs(FrozenModel):
         "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
     )
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two shells")
+    skin_shift_mm: SkinShiftMm = 0.0
 
     @model_validator(mode="after")
     def _consistent(self) -> EarsInputs:
@@ -88,4 +90,5 @@ class EarsInputs(FrozenModel):
             regions=(*ears, *self.regions),
             thin_policy=self.thin_policy,
             min_gap_mm=self.min_gap_mm,
+            skin_shift_mm=self.skin_shift_mm,
         )

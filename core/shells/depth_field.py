@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
@@ -12,17 +13,27 @@ from core.errors import InputError
 from core.geometry.adjacency import Rows
 from core.mesh import Vertices
 from core.schema.shells import Layer, Region
+from core.shells.depth_arrays import require_depths, require_inwards
 
 Floats = NDArray[np.float64]
 
 
-def target_depths(vertices: Vertices, layers: tuple[Layer, ...], regions: tuple[Region, ...]) -> Floats:
-    """Depth asked for, (L, V) mm: the layers' own, blended smoothly into each region's across its blend width.
+NO_ARRAYS: Mapping[str, Floats] = {}
 
-    Raises: InputError `region.outside_mesh`, `region.overlap_conflict`.
+
+def target_depths(
+    vertices: Vertices, layers: tuple[Layer, ...], regions: tuple[Region, ...], arrays: Mapping[str, Floats] = NO_ARRAYS
+) -> Floats:
+    """Distance to the skin asked for, (L, V) mm: the layers' own, blended smoothly into each region's across its blend width.
+
+    arrays: name -> (V,) mm, for layers that have a depth of their own at each vertex.
+    Raises: InputError `region.outside_mesh`, `region.overlap_conflict`, `layer.array_missing`, `layer.array_out_of_range`,
+    `layer.depths_out_of_order`.
     """
     _require_regions_agree(regions)
-    depths = np.repeat(np.array([[layer.depth_mm] for layer in layers]), len(vertices), axis=1)
+    depths = np.empty((len(layers), len(vertices)))
+    for row, layer in enumerate(layers):
+        depths[row] = layer.depth_mm if layer.depth_array is None else require_depths(layer, arrays, vertices)
     for region in regions:
         weight = _region_weight(vertices, region)
         if not (weight == 1.0).any():
@@ -36,6 +47,7 @@ def target_depths(vertices: Vertices, layers: tuple[Layer, ...], regions: tuple[
         for row, layer in enumerate(layers):
             if layer.name in region.depths_mm:
                 depths[row] += weight * (region.depths_mm[layer.name] - depths[row])
+    require_inwards(layers, depths, vertices)
     return depths
 
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 import typer
 
 from integument.cli.app import options_of
-from integument.cli.execute import ReportOption, UnitOption
+from integument.cli.execute import OuterLayerOption, ReportOption, SkinShiftOption, UnitOption
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import BOX_FORM, read_box, read_layers
+from integument.cli.layer_text import BOX_FORM, read_box, read_depths, read_layers
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.session import connect
@@ -41,6 +41,7 @@ def ears(
     layer: Annotated[
         list[str] | None, typer.Option(metavar="NAME=DEPTH", help="Layer and its depth in mm. Default fat=1 average_body=3.")
     ] = None,
+    outer_layer: OuterLayerOption = None,
     ear_depth: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
@@ -50,6 +51,7 @@ def ears(
         Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
     ] = "adapt",
     min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    skin_shift: SkinShiftOption = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
     report: ReportOption = None,
 ) -> None:
@@ -58,14 +60,16 @@ def ears(
     inputs: dict[str, Any] = {"thin_policy": thin_policy, "ears": _read_ears(boxes or [AUTO])}
     if generate_canals:
         inputs["generate_canals"] = {}
-    if layer:
-        inputs["layers"] = [{"name": name, "depth_mm": depth_mm} for name, depth_mm in read_layers(layer).items()]
+    if layer or outer_layer:
+        inputs["layers"] = read_layers(outer_layer or (), layer or ())
     if ear_depth:
-        inputs["ear_depths_mm"] = read_layers(ear_depth, "--ear-depth")
+        inputs["ear_depths_mm"] = read_depths(ear_depth, "--ear-depth")
     if blend is not None:
         inputs["blend_mm"] = blend
     if min_gap is not None:
         inputs["min_gap_mm"] = min_gap
+    if skin_shift is not None:
+        inputs["skin_shift_mm"] = skin_shift
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]

@@ -19,6 +19,14 @@ from integument.client import Unit
 from integument.errors import ArgumentError
 
 UnitOption: TypeAlias = Annotated[Unit, typer.Option(help="Unit of the coordinates in the files.")]
+OuterLayerOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=DEPTH", help="Layer around the skin and its distance to it in mm; repeat, from outside inwards."),
+]
+SkinShiftOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(metavar="MM", help="Furthest the skin may move outwards where the body is too thin; default 0, at most 5."),
+]
 ReportOption: TypeAlias = Annotated[
     Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
 ]
@@ -38,9 +46,12 @@ def shells(
     layer: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=DEPTH", help="Layer and its depth in mm; repeat, from outside inwards. Default fat=1 average_body=3."
+            metavar="NAME=DEPTH",
+            help="Layer and its depth in mm, or the name of an array of the upload with the depth at each vertex; repeat, from "
+            "outside inwards. Default fat=1 average_body=3.",
         ),
     ] = None,
+    outer_layer: OuterLayerOption = None,
     region: Annotated[
         list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
     ] = None,
@@ -48,18 +59,21 @@ def shells(
         Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
     ] = "adapt",
     min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    skin_shift: SkinShiftOption = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
     report: ReportOption = None,
 ) -> None:
     """Build nested shells inside a skin, proven free of intersections."""
     options = options_of(ctx)
     inputs: dict[str, Any] = {"thin_policy": thin_policy}
-    if layer:
-        inputs["layers"] = [{"name": name, "depth_mm": depth_mm} for name, depth_mm in read_layers(layer).items()]
+    if layer or outer_layer:
+        inputs["layers"] = read_layers(outer_layer or (), layer or ())
     if region:
         inputs["regions"] = [read_region(text).as_input() for text in region]
     if min_gap is not None:
         inputs["min_gap_mm"] = min_gap
+    if skin_shift is not None:
+        inputs["skin_shift_mm"] = skin_shift
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     require_mesh(skin)

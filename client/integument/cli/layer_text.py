@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from math import isfinite
+from typing import Any, TypeVar
 
 from integument.errors import ArgumentError
+from integument.layer import as_layer
 from integument.region import Point, Region
+
+Depth = TypeVar("Depth", float, float | str)
+NO_NUMBERS = ("nan", "inf", "infinity")  # words for numbers, not names of arrays
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
 BOX_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax"
 
 
-def read_layers(texts: Iterable[str], option: str = "--layer") -> dict[str, float]:
-    """Name -> depth in mm, in the order given. Raises: ArgumentError."""
-    layers: dict[str, float] = {}
+def read_layers(outer: Iterable[str], inner: Iterable[str]) -> list[dict[str, Any]]:
+    """The layers from outside inwards, in the form the server takes. Raises: ArgumentError."""
+    return [
+        *(as_layer(name, depth, "outside") for name, depth in _read_named(outer, "--outer-layer", _read_depth_or_array).items()),
+        *(as_layer(name, depth) for name, depth in _read_named(inner, "--layer", _read_depth_or_array).items()),
+    ]
+
+
+def read_depths(texts: Iterable[str], option: str) -> dict[str, float]:
+    """Layer -> depth in mm, in the order given. Raises: ArgumentError."""
+    return _read_named(texts, option, _read_depth)
+
+
+def _read_named(texts: Iterable[str], option: str, read: Callable[[str, str], tuple[str, Depth]]) -> dict[str, Depth]:
+    layers: dict[str, Depth] = {}
     for text in texts:
-        name, depth_mm = _read_depth(text, f"{option} {text}")
+        name, depth = read(text, f"{option} {text}")
         if name in layers:
             raise ArgumentError(f"{option} {text}: the layer '{name}' is there already")
-        layers[name] = depth_mm
+        layers[name] = depth
     return layers
 
 
@@ -51,6 +68,14 @@ def _read_depth(text: str, where: str) -> tuple[str, float]:
     return name, _read_number(depth, where)
 
 
+def _read_depth_or_array(text: str, where: str) -> tuple[str, float | str]:
+    """What begins with a letter is the name of an array of the skin's upload."""
+    name, sign, depth = text.partition("=")
+    if sign and name and depth[:1].isalpha() and depth.lower() not in NO_NUMBERS:
+        return name, depth
+    return _read_depth(text, where)
+
+
 def _read_point(text: str, where: str) -> Point:
     numbers = [_read_number(item, where) for item in text.split(",")]
     if len(numbers) != 3:
@@ -60,6 +85,9 @@ def _read_point(text: str, where: str) -> Point:
 
 def _read_number(text: str, where: str) -> float:
     try:
-        return float(text)
+        number = float(text)
     except ValueError as error:
         raise ArgumentError(f"{where}: '{text}' is no number") from error
+    if not isfinite(number):
+        raise ArgumentError(f"{where}: '{text}' is no finite number")
+    return number

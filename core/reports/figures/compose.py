@@ -40,7 +40,7 @@ class DrawnTissue(Protocol):
 
     @property
     def depth_mm(self) -> float | None:
-        """Target depth below the skin outside all regions; None for the skin."""
+        """Distance to the skin asked for outside all regions; None for the skin."""
         ...
 
 
@@ -53,7 +53,7 @@ def draw_shell_figures(
 ) -> tuple[Figure, ...]:
     """All figures of nested shells.
 
-    Needs:    tissues in nesting order, the skin first; depths_mm: layer -> measured distance to the skin, (F,) or (V,) of
+    Needs:    tissues in nesting order, the outermost first; depths_mm: layer -> measured distance to the skin, (F,) or (V,) of
               the layer's mesh; layers without depths get no thickness figures.
     Promises: same input, same bytes; names are unique.
     """

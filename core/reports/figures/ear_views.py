@@ -48,9 +48,8 @@ def draw_ears(
     ears: Sequence[EarRegionView],
     wall: NDArray[np.bool_],
 ) -> tuple[Figure, ...]:
-    """Views and sections of the ears; surfaces in nesting order, the skin first; wall (F,): faces of the skin in canals."""
-    skin_colour = next(iter(colours.values()))
-    views = _draw_views(next(iter(surfaces.values())), skin_colour, frame, ears, wall)
+    """Views and sections of the ears; surfaces in nesting order, one is called skin; wall (F,): faces of the skin in canals."""
+    views = _draw_views(surfaces["skin"], colours["skin"], frame, ears, wall)
     levels = [_level(ear, frame) for ear in ears]
     sections = draw_cross_sections("ears_sections", levels, surfaces, colours)
     return (views,) if sections is None else (views, sections)

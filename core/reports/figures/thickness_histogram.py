@@ -38,7 +38,7 @@ def draw_thickness_histogram(
             heights = np.maximum(counts, SMALLEST_SHARE) - bottoms
             axes.bar(edges[:-1], heights, np.diff(edges), bottoms, align="edge", color=as_hex(colours[name]), linewidth=0)
             axes.axvline(target, color=INK, linewidth=1.0)
-            axes.annotate(f" target {target:g} mm", (target, 1.0), (2, -2), textcoords="offset points", ha="left", va="top")
+            axes.annotate(f" target {target:.4g} mm", (target, 1.0), (2, -2), textcoords="offset points", ha="left", va="top")
             axes.set_yscale("log")
             axes.set_ylim(SMALLEST_SHARE, 1.0)
             axes.set_xlim(0.0, float(edges[-1]))
@@ -49,11 +49,11 @@ def draw_thickness_histogram(
             axes.set_axisbelow(True)
             axes.set_ylabel("share of area")
             axes.set_title(name, x=0.01, y=0.80)
-        axes.set_xlabel("depth below the skin [mm]")
+        axes.set_xlabel("distance to the skin [mm]")
         png = to_png(figure)
     caption = (
-        "Share of each layer's area by its depth below the skin, logarithmic. Line: the target outside all regions; "
-        "green: within 5 % of it."
+        "Share of each layer's area by its distance to the skin, logarithmic. Line: the target outside all regions, or its "
+        "median if given by vertex; green: within 5 % of it."
     )
     return Figure("thickness_histogram", "Thickness histogram", caption, png)
 

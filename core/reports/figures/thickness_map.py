@@ -22,9 +22,10 @@ TOP_OF_SCALE = 1.1  # of the target: a layer that is too deep shows too
 
 
 def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: float, frame: BodyFrame) -> Figure:
-    """One layer's depth below the skin; depths_mm (F,) or (V,)."""
+    """One layer's distance to the skin; depths_mm (F,) or (V,)."""
     per_face = depths_mm if len(depths_mm) == len(mesh.faces) else depths_mm[mesh.faces].mean(axis=1)
-    scale = Normalize(0.0, TOP_OF_SCALE * target_mm)
+    low, middle, high = np.percentile(per_face, [1, 50, 99])
+    scale = Normalize(0.0, max(TOP_OF_SCALE * target_mm, float(high)))
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     colours = np.ascontiguousarray(colour_map(scale(per_face), bytes=True)[:, :3])
     surface = Surface.of(mesh)
@@ -36,11 +37,10 @@ def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: floa
         bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal")
         bar.outline.set_linewidth(0.4)
         axes.axvline(target_mm, color=INK, linewidth=1.2)
-        axes.set_xlabel(f"depth of {name} below the skin [mm]; dark line: target {target_mm:g} mm")
+        axes.set_xlabel(f"distance of {name} to the skin [mm]; dark line: target {target_mm:.4g} mm")
         png = to_png(figure)
-    low, middle = np.percentile(per_face, [1, 50])
     caption = (
-        f"Depth of {name}, painted face by face on the layer. Half of the faces are deeper than {middle:.2f} mm, 99 % deeper "
-        f"than {low:.2f} mm; the target outside all regions is {target_mm:g} mm."
+        f"Depth of {name}, painted face by face on the layer. Half of the faces are farther from the skin than {middle:.2f} mm, 99 % "
+        f"farther than {low:.2f} mm; the target outside all regions, or its median if given by vertex, is {target_mm:.4g} mm."
     )
     return Figure(f"thickness_{name}", f"Thickness map: {name}", caption, png)

@@ -27,7 +27,8 @@ def wanted(*layers, **more) -> ShellsInputs:
 
 def prove(skin: Mesh, shells: tuple[Shell, ...], min_gap_mm: float) -> None:
     """Everything the process promises, by the exact referee."""
-    surfaces = {"skin": skin, **{shell.name: shell.mesh for shell in shells}}
+    around = {shell.name: shell.mesh for shell in shells if shell.side == "outside"}
+    surfaces = {**around, "skin": skin, **{shell.name: shell.mesh for shell in shells if shell.name not in around}}
     proof = validate(surfaces, min_gap_mm=min_gap_mm)
     assert [f.message for f in proof.findings if f.severity == "error"] == []
     assert list(proof.nesting.values()) == [None, *list(surfaces)[:-1]]
