@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 from core.errors import InputError
 from core.mesh import Mesh
 from core.schema.finding import Finding, Severity
@@ -14,6 +17,8 @@ from core.validation.self_intersection import check_self_intersection
 from core.validation.surface import Surface
 from core.validation.vertices import check_coincident_vertices
 
+Check: TypeAlias = Callable[[Surface], list[Finding]]
+
 HINT = "Mend it with the process `heal`, or in the program it comes from"
 
 
@@ -24,9 +29,8 @@ def require_fit_skin(mesh: Mesh, name: str) -> None:
     `skin.degenerate`, `skin.not_manifold`, `skin.not_closed`, `skin.not_oriented`, `skin.inside_out`,
     `skin.several_bodies`, `skin.self_touching`, `skin.self_intersecting`.
     """
-    surface = Surface(name, mesh)
-    failed: list[tuple[str, Finding]] = []
-    for code, checks in (
+    _require(
+        Surface(name, mesh),
         ("skin.degenerate", (check_degenerate_faces,)),
         ("skin.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
         ("skin.not_closed", (check_closed,)),
@@ -35,7 +39,29 @@ def require_fit_skin(mesh: Mesh, name: str) -> None:
         ("skin.several_bodies", (check_components,)),
         ("skin.self_touching", (check_coincident_vertices,)),
         ("skin.self_intersecting", (check_self_intersection,)),
-    ):
+    )
+
+
+def require_sound_surface(mesh: Mesh, name: str) -> None:
+    """Ask for a manifold, consistently oriented surface, open or closed, that does not run through itself.
+
+    Raises: InputError with the findings of all checks that failed and the code of the first of them, in this order:
+    `surface.degenerate`, `surface.not_manifold`, `surface.not_oriented`, `surface.self_touching`, `surface.self_intersecting`.
+    """
+    _require(
+        Surface(name, mesh),
+        ("surface.degenerate", (check_degenerate_faces,)),
+        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+        ("surface.not_oriented", (check_orientation,)),
+        ("surface.self_touching", (check_coincident_vertices,)),
+        ("surface.self_intersecting", (check_self_intersection,)),
+    )
+
+
+def _require(surface: Surface, *wanted: tuple[str, tuple[Check, ...]]) -> None:
+    """Run checks, all of them; the code of the first that fails is raised."""
+    failed: list[tuple[str, Finding]] = []
+    for code, checks in wanted:
         # several pieces are no fault of a mesh, but one of a skin
         failed += [
             (code, finding.model_copy(update={"severity": Severity.ERROR})) for check in checks for finding in check(surface)
