@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 MARGIN = 0.03
 VIEW_DPI = 200
 HEAD_COLUMN = 0.26  # share of the width
+BODY_COLUMN = 0.5  # share of the width, beside two views of the head
 TITLE_PX = 36  # free above the shape
 SMALLEST_WINDOW_MM = 1e-3
 
@@ -46,6 +47,23 @@ def arrange_views(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tupl
         place = (half_width * (number % 2), height - half_height * (1 + number // 2), half_width, half_height)
         panels.append(_panel(f"from {name}", mesh.vertices, direction, frame.up, place))
     return tuple(panels)
+
+
+def arrange_beside(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tuple[Panel, ...]:
+    """Panels for one of two fields of width x height pixels shown side by side: few views, as large as they can be."""
+    if not frame.is_person:
+        half = height // 2
+        return (
+            _panel(f"from {axis_name(frame.front)}", mesh.vertices, frame.front, frame.up, (0, height - half, width, half)),
+            _panel(f"from {axis_name(frame.right)}", mesh.vertices, frame.right, frame.up, (0, 0, width, half)),
+        )
+    head = mesh.vertices[mesh.vertices @ frame.up > frame.level(HEAD_ABOVE)]
+    body_width, half = round(width * BODY_COLUMN), height // 2
+    return (
+        _panel("front", mesh.vertices, frame.front, frame.up, (0, 0, body_width, height)),
+        _panel("head, front", head, frame.front, frame.up, (body_width, half, width - body_width, height - half)),
+        _panel("its right side", head, -frame.right, frame.up, (body_width, 0, width - body_width, half)),
+    )
 
 
 def place_picture(figure: Sheet, panel: Panel, picture: NDArray[np.uint8], below_px: int) -> None:

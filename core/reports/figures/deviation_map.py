@@ -1,0 +1,46 @@
+"""How far a surface is from the one it was made from, painted on it."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from core.geometry.body_frame import BodyFrame
+from core.geometry.deviation import Deviation
+from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
+from core.reports.figures.view import Surface, look
+
+COLOUR_MAP = "YlOrRd"
+WIDTH_IN, HEIGHT_IN, BAR_IN = 8.4, 5.5, 0.66
+TOP_PERCENTILE = 99.5
+PALEST = 0.04  # of the colour map: white would not show where the surface ends
+SMALLEST_TOP_MM = 1e-6
+
+
+def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Figure:
+    """The result, face by face in the colour of its distance to the original."""
+    way = deviation.back
+    per_face = way.per_face()
+    scale = Normalize(0.0, max(SMALLEST_TOP_MM, float(np.percentile(per_face, TOP_PERCENTILE))))
+    colour_map = matplotlib.colormaps[COLOUR_MAP]
+    shades = PALEST + (1.0 - PALEST) * np.clip(scale(per_face), 0.0, 1.0)
+    colours = np.ascontiguousarray(colour_map(shades, bytes=True)[:, :3])
+    surface = Surface.of(way.surface)
+    with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
+        for panel in arrange_views(way.surface, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
+            place_picture(figure, panel, look(surface, panel.view).paint(colours), round(BAR_IN * VIEW_DPI))
+        axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
+        bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal", extend="max")
+        bar.outline.set_linewidth(0.4)
+        axes.set_xlabel(f"distance of {name} to the original [mm]")
+        png = to_png(figure)
+    x, y, z = deviation.farthest()
+    caption = (
+        f"Distance of {name} to the surface it was made from. Largest, both ways: {deviation.maximum_mm:.3g} mm at "
+        f"({x:.1f}, {y:.1f}, {z:.1f}) mm; root mean square {deviation.rms_mm:.2g} mm."
+    )
+    return Figure(f"deviation_{name}", f"Deviation map: {name}", caption, png)

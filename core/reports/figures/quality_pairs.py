@@ -1,0 +1,67 @@
+"""Triangle quality before and after: two curves for every surface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import NDArray
+
+from core.geometry.quality import quality
+from core.mesh import Mesh
+from core.reports.figures.canvas import FAINT, sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.figures.section_drawing import shortened
+from core.reports.palette import Colour, as_hex
+
+BINS = 50
+SMALLEST_SHARE = 1e-6
+WIDTH_IN, PANEL_IN, TICKS_IN, LEGEND_IN, TITLE_IN = 8.4, 1.55, 0.45, 0.3, 0.26
+
+
+def draw_quality_pairs(pairs: Mapping[str, tuple[Mesh, Mesh]], colours: Mapping[str, Colour]) -> Figure:
+    """A panel per surface with the share of its faces by q, logarithmic: before thin and grey, after in its colour."""
+    total_in = LEGEND_IN + len(pairs) * (TITLE_IN + PANEL_IN) + TICKS_IN
+    edges = np.linspace(0.0, 1.0, BINS + 1)
+    words = []
+    with sheet(WIDTH_IN, total_in) as figure:
+        for number, (name, (before, after)) in enumerate(pairs.items()):
+            bottom_in = TICKS_IN + (len(pairs) - 1 - number) * (TITLE_IN + PANEL_IN)
+            axes = figure.add_axes((0.10, bottom_in / total_in, 0.88, PANEL_IN / total_in))
+            former, present = (quality(mesh.vertices, mesh.faces) for mesh in (before, after))
+            axes.step(edges, _shares(former, edges), where="post", color=FAINT, linewidth=1.0)
+            axes.step(edges, _shares(present, edges), where="post", color=as_hex(colours[name]), linewidth=1.4)
+            _dress(axes, last=number == len(pairs) - 1)
+            axes.set_title(shortened(name), pad=3)
+            words.append(f"{name} {former.min():.2g} to {present.min():.2g}, mean {former.mean():.3f} to {present.mean():.3f}")
+        handles = [
+            Line2D([], [], color=colour, linewidth=2, label=text) for colour, text in ((FAINT, "before"), ("#000000", "after"))
+        ]
+        figure.legend(handles=handles, loc="upper left", ncols=2, bbox_to_anchor=(0.09, 1.0), borderaxespad=0.3)
+        png = to_png(figure)
+    caption = f"Share of faces by quality q = 2 r_in / r_out, logarithmic, before and after. Smallest q: {'; '.join(words)}."
+    return Figure("quality_histogram", "Triangle quality before and after", caption, png)
+
+
+def _shares(q: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    shares = np.histogram(q, bins=edges)[0] / len(q)
+    heights: NDArray[np.float64] = np.maximum(np.append(shares, shares[-1]), SMALLEST_SHARE)
+    return heights
+
+
+def _dress(axes: Axes, *, last: bool) -> None:
+    axes.set_yscale("log")
+    axes.set_ylim(SMALLEST_SHARE, 1.0)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_yticks([10.0**power for power in range(-6, 1, 2)])
+    axes.minorticks_off()
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _position: f"{100 * share:g} %"))
+    axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
+    axes.set_ylabel("share of faces")
+    if last:
+        axes.set_xlabel("triangle quality q (1: equilateral)")
+    else:
+        axes.set_xticklabels([])
