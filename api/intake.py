@@ -64,4 +64,5 @@ def parse(services: Services, received: ReceivedFile, unit: str, folder: Path) -
         faces=mesh["faces"],
         extents_mm=(x, y, z),
         findings=tuple(told["findings"]),
+        arrays=tuple(mesh["arrays"]),
     )

@@ -26,6 +26,7 @@ def describe_mesh(request: Request, record: MeshRecord) -> MeshInfo:
             "vertices": record.vertices,
             "faces": record.faces,
             "extents_mm": record.extents_mm,
+            "arrays": record.arrays,
             "findings": record.findings,
             "created": record.created_at,
             "links": (

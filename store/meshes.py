@@ -36,6 +36,7 @@ class MeshUpload:
     faces: int
     extents_mm: tuple[float, float, float]
     findings: tuple[Mapping[str, Any], ...] = ()
+    arrays: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,7 @@ class MeshRecord:
     extents_mm: tuple[float, float, float]
     findings: tuple[Mapping[str, Any], ...]
     created_at: datetime
+    arrays: tuple[Mapping[str, Any], ...] = ()
 
 
 class Meshes:
@@ -82,6 +84,7 @@ class Meshes:
                 faces=upload.faces,
                 extents_mm=list(upload.extents_mm),
                 findings=storable([dict(finding) for finding in upload.findings]),
+                arrays=storable([dict(array) for array in upload.arrays]),
                 created_at=self._db.now(work),
             )
             work.add(row)
@@ -131,4 +134,5 @@ def _record(row: MeshRow) -> MeshRecord:
         extents_mm=(x, y, z),
         findings=tuple(row.findings),
         created_at=row.created_at,
+        arrays=tuple(row.arrays or ()),
     )

@@ -47,6 +47,7 @@ class MeshRow(Record):
     extents_mm: Mapped[list[float]] = mapped_column(Json)
     findings: Mapped[list[dict[str, Any]]] = mapped_column(Json)
     created_at: Mapped[datetime] = mapped_column(Instant)
+    arrays: Mapped[list[dict[str, Any]] | None] = mapped_column(Json)  # numbers on vertices; null: taken in before they were kept
 
 
 class JobRow(Record):

@@ -14,6 +14,15 @@ from core.schema.finding import Finding
 Unit = Literal["m", "cm", "mm", "in"]
 
 
+class VertexArray(Document):
+    """Numbers of a MAT file, one per vertex, that a layer may name as its depths; in mm if they are that."""
+
+    name: str
+    minimum: float | None = Field(None, description="Of the finite values; absent if there is none")
+    maximum: float | None = None
+    not_finite: int = Field(description="How many values are NaN or infinite")
+
+
 class MeshInfo(Document):
     """A mesh this server holds. Lengths are in mm, whatever the unit of the file was."""
 
@@ -27,6 +36,7 @@ class MeshInfo(Document):
     vertices: int
     faces: int
     extents_mm: tuple[float, float, float]
+    arrays: tuple[VertexArray, ...] = Field((), description="Numbers kept for each vertex, see `depth_array` of a layer")
     findings: tuple[Finding, ...] = Field(description="What was noticed while reading: merged vertices, suspicious unit, ...")
     created: datetime
     links: tuple[Link, ...]

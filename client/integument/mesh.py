@@ -8,6 +8,15 @@ from integument.answer import Answer
 from integument.report import Finding
 
 
+class VertexArray(Answer):
+    """Numbers of a MAT file, one per vertex, that a layer may name as its depths."""
+
+    name: str
+    minimum: float | None = None
+    maximum: float | None = None
+    not_finite: int = 0
+
+
 class Mesh(Answer):
     """A mesh the server holds; lengths in mm whatever the unit of the upload was."""
 
@@ -21,6 +30,7 @@ class Mesh(Answer):
     vertices: int | None = None
     faces: int | None = None
     extents_mm: tuple[float, float, float] | None = None
+    arrays: tuple[VertexArray, ...] = ()
     findings: tuple[Finding, ...] = ()
 
     @property

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,11 +12,21 @@ from core.io.reading import Piece, Reading
 from core.io.welding import weld
 from core.schema.finding import Finding, Severity
 
+NO_ARRAYS: Mapping[str, NDArray[np.float64]] = {}
 
-def assemble(vertices: NDArray[np.generic], faces: NDArray[np.int64], findings: tuple[Finding, ...], *, base: int) -> Reading:
+
+def assemble(
+    vertices: NDArray[np.generic],
+    faces: NDArray[np.int64],
+    findings: tuple[Finding, ...],
+    *,
+    base: int,
+    arrays: Mapping[str, NDArray[np.float64]] = NO_ARRAYS,
+) -> Reading:
     """Vertices (V, 3) and 0-based faces (F, 3) -> one piece; `base` is the first index of the format, for messages.
 
-    The file's connectivity is kept: vertices with equal coordinates stay apart and are told, vertices of no face go.
+    The file's connectivity is kept: vertices with equal coordinates stay apart and are told, vertices of no face go, and so
+    do the numbers that `arrays` (V,) has for them.
     Raises: InputError `mesh.empty`, `mesh.index_out_of_range`.
     """
     if len(vertices) == 0 or len(faces) == 0:
@@ -36,7 +48,7 @@ def assemble(vertices: NDArray[np.generic], faces: NDArray[np.int64], findings: 
     kept = vertices[used]
     number = np.cumsum(used) - 1
     told = (*findings, *_check_unused(used), *_check_coincident(kept))
-    return Reading((Piece("", kept, number[faces]),), told)
+    return Reading((Piece("", kept, number[faces], {name: values[used] for name, values in arrays.items()}),), told)
 
 
 def _check_unused(used: NDArray[np.bool_]) -> list[Finding]:

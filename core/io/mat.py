@@ -1,4 +1,7 @@
-"""MAT: vertices `P` (V, 3) and faces `t` (F, 3) counted from 1, optional facet `normals` (F, 3); also `vertices` and `faces`."""
+"""MAT: vertices `P` (V, 3) and faces `t` (F, 3) counted from 1, optional facet `normals` (F, 3); also `vertices` and `faces`.
+
+Other vectors with one real number per vertex are kept beside the mesh.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from core.geometry.normals import face_normals
 from core.io.indexed import assemble
 from core.io.mat5 import Mat5File
 from core.io.mat73 import open_mat73
+from core.io.mat_arrays import load_arrays
 from core.io.mat_variable import CODE_CLASSES, NUMBER_CLASSES, MatFile, MatVariable
 from core.io.reading import Reading
 from core.mesh import Mesh
@@ -31,7 +35,7 @@ def is_hdf5(head: bytes) -> bool:
 
 
 def read(path: Path) -> Reading:
-    """Read only the variables named above, in any case; any number class; MATLAB objects and function handles are refused.
+    """Read the variables above, in any case; any number class; MATLAB objects and function handles are refused.
 
     Raises: InputError `mat.corrupt`, `mat.variable_missing`, `mat.variable_ambiguous`, `mat.class_refused`, `mat.shape`,
     `mat.index_not_whole`, `mat.zero_based`, `hdf5.*`, `mesh.empty`, `mesh.index_out_of_range`; LimitError `mat.too_large`,
@@ -50,7 +54,9 @@ def read(path: Path) -> Reading:
         vertices = file.load(vertex_variable)
         faces = _to_indices(file.load(face_variable), len(vertices), face_variable.name)
         normals = None if normal_variable is None else file.load(normal_variable)
-    reading = assemble(vertices, faces, (), base=1)
+        used = (vertex_variable, face_variable, normal_variable)
+        arrays, ignored = load_arrays(file, [each for each in file.variables if each not in used], len(vertices))
+    reading = assemble(vertices, faces, ignored, base=1, arrays=arrays)
     findings = () if normals is None else _check_normals(vertices, faces, normals)
     return Reading(reading.pieces, (*reading.findings, *findings))
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +14,15 @@ from core.schema.finding import Finding
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Piece:
-    """One surface in the file's own unit: vertices (V, 3) of any real type, faces (F, 3) from 0. `name` may be empty."""
+    """One surface in the file's own unit: vertices (V, 3) of any real type, faces (F, 3) from 0. `name` may be empty.
+
+    arrays: name -> (V,) numbers that the file gives for each vertex, in whatever unit they have.
+    """
 
     name: str
     vertices: NDArray[np.generic]
     faces: NDArray[np.integer]
+    arrays: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +35,11 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class NamedMesh:
-    """A mesh in mm under the name the file (or its file name) gave."""
+    """A mesh in mm under the name the file (or its file name) gave; arrays: name -> (V,) as the file has them."""
 
     name: str
     mesh: Mesh
+    arrays: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,7 +39,7 @@ def read_meshes(data_path: Path, *, file_name: str, unit: Unit) -> Intake:
     # a lone solid is often called after the program that wrote it
     names = [title] if len(reading.pieces) == 1 else make_unique(piece.name or title for piece in reading.pieces)
     meshes = tuple(
-        NamedMesh(name, Mesh.of(convert_to_mm(piece.vertices, piece.faces, unit), piece.faces))
+        NamedMesh(name, Mesh.of(convert_to_mm(piece.vertices, piece.faces, unit), piece.faces), piece.arrays)
         for name, piece in zip(names, reading.pieces, strict=True)
     )
     corners = [corner for each in meshes for corner in (each.mesh.vertices.min(axis=0), each.mesh.vertices.max(axis=0))]

@@ -16,6 +16,7 @@ from core.ears.cut_canals import SKIN, cut_canals
 from core.ears.find_ears import find_ears
 from core.ears.remesh_seam import RemeshedSkin, remesh_seams
 from core.geometry.body_frame import BodyFrame, find_body_frame
+from core.geometry.vertex_values import interpolate
 from core.io.naming import make_unique
 from core.mesh import Mesh
 from core.processes.layer_package import LayerJob, deliver_layers
@@ -74,12 +75,21 @@ def run_ears(inputs: EarsInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
         references=REFERENCES,
         parameters=_parameters(inputs, source, solids, regions),
         changes=(*source.changes, *_changes(canals, skin)),
+        arrays={
+            name: interpolate(values, source.mesh, skin.mesh.vertices) for name, values in _asked_for(inputs, source).items()
+        },
         describe=describe,
         draw=lambda surfaces: draw_ears(
             surfaces, tissue_colours(list(surfaces)), frame, _views(regions[: len(ears)], regions[len(ears) :], frame), wall
         ),
     )
     return deliver_layers(job, run.stage("layers", 0.16, 1.0), out_dir)
+
+
+def _asked_for(inputs: EarsInputs, source: LoadedSkin) -> Mapping[str, NDArray[np.float64]]:
+    """The arrays that layers name; in the wall of a canal, which the upload does not know, the skin nearest to it counts."""
+    named = {layer.depth_array for layer in inputs.layers}
+    return {name: values for name, values in source.arrays.items() if name in named}
 
 
 def _ear_regions(inputs: EarsInputs, skin: Mesh) -> tuple[Region, ...]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.geometry.normals import face_areas
 from core.io import canonical
@@ -24,7 +25,9 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     """Parse payload["path"] (called `file_name` by the user, in `unit`) and write it as `out_dir`/0.mesh in canonical form.
 
     Several solids become one mesh: they are welded where their corners are equal, as if the file had not named them.
-    Returns {"format", "meshes": [{"name", "path", "vertices", "faces", "extents_mm", "area_mm2"}], "findings"}, all plain JSON.
+    Arrays with a number per vertex are kept beside the mesh as they are. Returns {"format", "meshes": [{"name", "path",
+    "vertices", "faces", "extents_mm", "area_mm2", "arrays": [{"name", "minimum", "maximum", "not_finite"}]}], "findings"},
+    all plain JSON.
     Raises: InputError and LimitError as `core.io.registry.read_meshes`, InputError `unit.unknown`.
     """
     del channel  # a parse takes seconds: there is no progress to tell
@@ -33,7 +36,7 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     combined = combine(intake.meshes, clean_name(Path(payload["file_name"]).stem, "mesh"))
     findings = (*intake.findings, *check_solids(intake))
     target = Path(payload["out_dir"]) / "0.mesh"
-    canonical.save(combined.mesh, target)
+    canonical.save(combined.mesh, target, combined.arrays)
     return {
         "format": intake.format,
         "meshes": [_describe(combined, target)],
@@ -42,7 +45,7 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
 
 
 def combine(meshes: tuple[NamedMesh, ...], name: str) -> NamedMesh:
-    """One mesh out of several, under `name`; a single one is handed through."""
+    """One mesh out of several, under `name`; a single one is handed through. Formats with several have no arrays."""
     if len(meshes) == 1:
         return meshes[0]
     starts = np.cumsum([0] + [len(each.mesh.vertices) for each in meshes[:-1]])
@@ -71,4 +74,12 @@ def _describe(named: NamedMesh, path: Path) -> dict[str, Any]:
         "faces": len(mesh.faces),
         "extents_mm": mesh.extents_mm().tolist(),
         "area_mm2": float(face_areas(mesh.vertices, mesh.faces).sum()),
+        "arrays": [_describe_array(name, values) for name, values in sorted(named.arrays.items())],
     }
+
+
+def _describe_array(name: str, values: NDArray[np.float64]) -> dict[str, Any]:
+    """Extremes of the finite numbers, null if there are none."""
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
+    return {"name": name, "minimum": low, "maximum": high, "not_finite": len(values) - len(finite)}

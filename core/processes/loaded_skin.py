@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.mesh import Mesh
 from core.processes.named_input import load_input
@@ -16,12 +17,13 @@ from core.validation.requirements import require_fit_skin
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoadedSkin:
-    """mesh: fit, exact in float32. changes: what rounding moved, for the report."""
+    """mesh: fit, exact in float32. changes: what rounding moved, for the report. arrays: name -> (V,) of the upload."""
 
     name: str
     mesh: Mesh
     sha256: str
     changes: tuple[dict[str, Any], ...]
+    arrays: Mapping[str, NDArray[np.float64]]
 
 
 def load_skin(href: str, meshes: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSkin:
@@ -34,4 +36,4 @@ def load_skin(href: str, meshes: Mapping[str, Mapping[str, Any]], run: RunContex
     require_fit_skin(skin, "skin")
     shift = float(np.abs(skin.vertices - source.mesh.vertices).max())
     changes = ({"mesh": "skin", "what": "coordinates rounded to float32", "largest_shift_mm": shift},) if shift else ()
-    return LoadedSkin(source.name, skin, source.sha256, changes)
+    return LoadedSkin(source.name, skin, source.sha256, changes, source.arrays)

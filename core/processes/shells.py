@@ -56,5 +56,6 @@ def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
             "skin": {"name": source.name, "sha256": source.sha256},
         },
         changes=source.changes,
+        arrays=source.arrays,
     )
     return deliver_layers(job, run.stage("shells", 0.06, 1.0), out_dir)

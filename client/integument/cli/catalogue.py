@@ -48,9 +48,11 @@ def meshes(
         found = list(session.client.meshes(limit=limit))
     options.screen.document([item.as_json() for item in found])
     table = Table(box=box.SIMPLE_HEAD)
-    for title in ("mesh", "name", "file", "faces", "extents mm"):
+    for title in ("mesh", "name", "file", "faces", "extents mm", "arrays"):
         table.add_column(title)
     for mesh in found:
         extents = " × ".join(f"{length:.1f}" for length in mesh.extents_mm or ())
-        table.add_row(mesh.id, mesh.name, mesh.file_name, f"{mesh.faces or 0:,}", extents)
+        table.add_row(
+            mesh.id, mesh.name, mesh.file_name, f"{mesh.faces or 0:,}", extents, ", ".join(each.name for each in mesh.arrays)
+        )
     options.screen.show(table)

@@ -221,3 +221,47 @@ def test_too_many_variables_are_refused(file: Path, monkeypatch: pytest.MonkeyPa
     file.write_bytes(craft.mat_file(*(craft.matrix(f"v{number}", P) for number in range(4))))
     with pytest.raises(InputError, match="more than 3 variables"):
         mat.read(file)
+
+
+@pytest.mark.parametrize("do_compression", [False, True])
+def test_vectors_with_a_number_per_vertex_come_along(file: Path, do_compression: bool) -> None:
+    depths = np.array([0.3, 0.6, 1.0, 3.0])
+    others = {
+        "fat_mm": depths[:, None],
+        "row": depths.astype(np.float32)[None, :],
+        "wide": np.ones((4, 2)),
+        "complex": depths * 1j,
+    }
+    scipy.io.savemat(file, {"P": P, "t": T, **others}, appendmat=False, do_compression=do_compression)
+    (piece,) = mat.read(file).pieces
+    assert is_tetrahedron(piece)
+    assert sorted(piece.arrays) == ["fat_mm", "row"]
+    assert np.array_equal(piece.arrays["fat_mm"], depths)
+    assert np.array_equal(piece.arrays["row"], depths.astype(np.float32))
+
+
+def test_vectors_follow_their_vertices_when_some_belong_to_no_face(file: Path) -> None:
+    corners = np.vstack((P[:2], [[9.0, 9.0, 9.0]], P[2:]))
+    faces = np.where(T > 2, T + 1, T)
+    scipy.io.savemat(file, {"P": corners, "t": faces, "fat_mm": [1.0, 2.0, 99.0, 3.0, 4.0]}, appendmat=False)
+    (piece,) = mat.read(file).pieces
+    assert is_tetrahedron(piece)
+    assert np.array_equal(piece.arrays["fat_mm"], [1.0, 2.0, 3.0, 4.0])
+
+
+def test_vectors_of_another_length_or_beyond_number_are_told(file: Path) -> None:
+    many = {f"v{number:02}": np.ones(4) for number in range(18)}
+    scipy.io.savemat(file, {"P": P, "t": T, "long_mm": np.ones(5), "long": np.ones(5), **many}, appendmat=False)
+    reading = mat.read(file)
+    assert sorted(reading.pieces[0].arrays) == sorted(many)[:16]
+    (finding,) = reading.findings
+    assert (finding.code, finding.count) == ("mat.array_ignored", 3)
+    assert "long_mm has 5 numbers for 4 vertices; v16 is one of more than 16" in finding.message
+
+
+def test_vectors_together_have_a_limit(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scipy.io.savemat(file, {"P": P, "t": T, "a": np.ones(4), "b": np.ones(4)}, appendmat=False)
+    monkeypatch.setattr("core.io.mat_arrays.LARGEST_ARRAY_BYTES", 63)
+    with pytest.raises(LimitError) as refused:
+        mat.read(file)
+    assert (refused.value.code, refused.value.facts["bytes"]) == ("mat.too_large", 64)

@@ -293,3 +293,16 @@ def test_a_cut_file_is_refused(file: Path, kept: int) -> None:
     with pytest.raises(InputError, match="damaged or cut off") as caught:
         mat.read(file)
     assert caught.value.code == "hdf5.corrupt"
+
+
+def test_vectors_with_a_number_per_vertex_come_along(file: Path) -> None:
+    depths = np.array([0.3, 0.6, 1.0, 3.0])
+
+    def fill(group: h5py.File) -> None:
+        put(group, "fat_mm", depths[None, :], compression="gzip", chunks=(2, 1))
+        put(group, "text", np.arange(4, dtype=np.uint16)[:, None], "char")
+
+    write(file, fill)
+    (piece,) = mat.read(file).pieces
+    assert list(piece.arrays) == ["fat_mm"]
+    assert np.array_equal(piece.arrays["fat_mm"], depths)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.io
 
 from core.errors import InputError
 from core.io import canonical, stl_ascii
@@ -27,9 +28,31 @@ def test_an_upload_becomes_canonical(tmp_path: Path) -> None:
     path = str(tmp_path / "0.mesh")
     (mesh,) = answer["meshes"]
     assert mesh.pop("area_mm2") == pytest.approx(60_000)
-    assert mesh == {"name": "left arm", "path": path, "vertices": 8, "faces": 12, "extents_mm": [100.0, 100.0, 100.0]}
+    extents = {"extents_mm": [100.0, 100.0, 100.0]}
+    assert mesh == {"name": "left arm", "path": path, "vertices": 8, "faces": 12, "arrays": []} | extents
     assert (answer["format"], answer["findings"]) == ("ply", [])
     assert np.array_equal(canonical.load(Path(path)).triangles(), cube(100.0).triangles())
+
+
+def test_arrays_on_vertices_are_kept_as_they_are_whatever_the_unit_and_described(tmp_path: Path) -> None:
+    whole = cube(0.1)
+    depths = np.linspace(0.3, 1.0, len(whole.vertices))
+    depths[3], depths[5] = np.nan, np.inf
+    arrays = {"fat_depth_mm": depths, "row": np.arange(8.0)[None, :], "short_mm": np.ones(7), "note": "a word"}
+    scipy.io.savemat(tmp_path / "upload", {"P": whole.vertices, "t": whole.faces + 1.0} | arrays, appendmat=False)
+    answer = json.loads(json.dumps(run(tmp_path / "upload", "skin.mat", "m")))
+    (mesh,) = answer["meshes"]
+    assert mesh["arrays"] == [
+        {"name": "fat_depth_mm", "minimum": 0.3, "maximum": 1.0, "not_finite": 2},
+        {"name": "row", "minimum": 0.0, "maximum": 7.0, "not_finite": 0},
+    ]
+    (finding,) = answer["findings"]
+    assert (finding["code"], finding["count"]) == ("mat.array_ignored", 1)
+    assert "short_mm has 7 numbers for 8 vertices" in finding["message"]
+    loaded, kept = canonical.load_with_arrays(Path(mesh["path"]))
+    assert np.array_equal(loaded.vertices, whole.vertices * 1000)
+    assert np.array_equal(kept["fat_depth_mm"], depths, equal_nan=True)
+    assert np.array_equal(kept["row"], np.arange(8.0))
 
 
 def test_the_answer_is_plain_json_and_findings_can_be_read_back(tmp_path: Path) -> None:
