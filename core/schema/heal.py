@@ -26,7 +26,10 @@ class HealInputs(SurfacesInputs):
         None, gt=0, description="Longest rim of a hole that is filled; a longer one refuses the job. Default: no limit"
     )
     weld_tolerance_mm: float | None = Field(
-        None, ge=0, le=10, description="Borders at most this far apart are joined. Default: a share of the edge lengths at the border"
+        None,
+        ge=0,
+        le=10,
+        description="Borders at most this far apart are joined. Default: a share of the edge lengths at the border",
     )
     staircase: bool = Field(False, description="Smooth the steps of a surface that was made from voxels")
     staircase_max_mm: float = Field(0.5, gt=0, le=10, description="How far smoothing of steps may move a vertex")

@@ -1,0 +1,86 @@
+"""Cracks: borders that run side by side and belong together."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from core.geometry.adjacency import Edges, edges
+from core.healing.change import Change, Staged
+from core.mesh import Faces, Vertices
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+WELD_SHARE = 0.25  # of the shortest edge at a border vertex: the farthest vertex it is joined with
+LARGEST_WELD_SHARE = 0.5  # the same for a tolerance that was asked for: beyond it faces would turn over
+NEAREST = 6  # vertices looked at around each: more of them are joined to it by edges only in odd meshes
+ROUNDS = 12  # n copies of a vertex need about log2 n
+
+
+def join_cracks(vertices: Vertices, faces: Faces, tolerance_mm: float | None = None) -> Staged:
+    """Join vertices of borders that are each other's nearest, no edge apart, and near for the edges around them.
+
+    The vertex with the lower number keeps its place. tolerance_mm: see `WELD_SHARE` for None.
+    """
+    kept: list[Ints] = []
+    gaps: list[Floats] = []
+    for _ in range(ROUNDS):
+        found = edges(faces)
+        pairs, distances = _find_partners(vertices, found, tolerance_mm)
+        if len(pairs) == 0:
+            break
+        number = np.arange(len(vertices))
+        number[pairs[:, 1]] = pairs[:, 0]
+        faces = number[faces].astype(np.int32)
+        kept.append(pairs[:, 0])
+        gaps.append(distances)
+    if not kept:
+        return vertices, faces, []
+    points, distances = vertices[np.concatenate(kept)], np.concatenate(gaps)
+    message = f"{len(points)} pairs of border vertices, up to {distances.max():.3g} mm apart, were joined"
+    return vertices, faces, [Change("cracks", message, points, distances)]
+
+
+def border_scale(vertices: Vertices, found: Edges) -> tuple[Ints, Floats]:
+    """Vertices at borders (K,), ascending, and the length of the shortest edge at each, mm."""
+    border = np.unique(found.ends[found.face_count == 1])
+    lengths = np.linalg.norm(vertices[found.ends[:, 0]] - vertices[found.ends[:, 1]], axis=1)
+    shortest = np.full(len(vertices), np.inf)
+    for end in range(2):
+        np.minimum.at(shortest, found.ends[:, end], lengths)
+    return border, shortest[border]
+
+
+def _find_partners(vertices: Vertices, found: Edges, tolerance_mm: float | None) -> tuple[Ints, Floats]:
+    """Pairs to join, lower number first (K, 2), none with a vertex of another pair, and their distances (K,)."""
+    border, scale = border_scale(vertices, found)
+    if len(border) < 2:
+        return np.empty((0, 2), dtype=np.int64), np.empty(0)
+    reach = WELD_SHARE * scale if tolerance_mm is None else np.minimum(tolerance_mm, LARGEST_WELD_SHARE * scale)
+    # neighbours in the list lie in space as they do in the file: the tree is asked within the largest reach only
+    distance, other = cKDTree(vertices[border]).query(
+        vertices[border], k=min(NEAREST + 1, len(border)), distance_upper_bound=float(reach.max()) * (1.0 + 1e-12)
+    )
+    rows = np.repeat(np.arange(len(border)), distance.shape[1])
+    distance, other = distance.ravel(), other.ravel()
+    fits = (other < len(border)) & (other != rows)
+    rows, other, distance = rows[fits], other[fits], distance[fits]
+    fits = distance <= np.minimum(reach[rows], reach[other])
+    rows, other, distance = rows[fits], other[fits], distance[fits]
+    stride = int(found.ends.max()) + 1
+    a, b = border[rows], border[other]
+    joined = np.isin(np.minimum(a, b) * stride + np.maximum(a, b), found.ends[:, 0] * stride + found.ends[:, 1])
+    rows, other, distance = rows[~joined], other[~joined], distance[~joined]
+    # the nearest of each, the lower number where two are equally near
+    order = np.lexsort((other, distance, rows))
+    first = np.ones(len(order), dtype=np.bool_)
+    first[1:] = rows[order[1:]] != rows[order[:-1]]
+    nearest = np.full(len(border), -1, dtype=np.int64)
+    how_far = np.full(len(border), np.inf)
+    nearest[rows[order[first]]] = other[order[first]]
+    how_far[rows[order[first]]] = distance[order[first]]
+    mine = np.arange(len(border))
+    mutual = np.flatnonzero((nearest > mine) & (nearest[nearest] == mine))
+    return np.column_stack((border[mutual], border[nearest[mutual]])), how_far[mutual]

@@ -1,0 +1,146 @@
+"""Edges with more than two faces: fins and inner walls go, bodies that share an edge are parted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.geometry.adjacency import Edges, edges
+from core.geometry.components import label_connected
+from core.geometry.normals import face_areas
+from core.geometry.orientation import find_faces_to_flip
+from core.healing.change import Change, Staged
+from core.healing.edge_pairing import part_edges
+from core.healing.winding import winding_number
+from core.mesh import Faces, Vertices
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+FIN_SHARE = 0.5  # of the area of all that hangs together: a sheet with a free border and less is a fin
+WALLS_TRIED = 64  # sheets for which the winding number of the rest is computed; of more, the smallest area decides
+ROUNDS = 64
+
+
+def mend_nonmanifold_edges(vertices: Vertices, faces: Faces) -> Staged:
+    """Leave at most two faces at every edge.
+
+    Edges with more cut the surface into sheets. A small sheet with a border of its own is a fin, one with the body on
+    both sides an inner wall: they go if that leaves no new border. What then still shares an edge is parted there.
+    """
+    changes: list[Change] = []
+    faces, taken = _without(vertices, faces, _find_fins)
+    changes += _removal("fins", "sheets that stand on the surface were taken away", taken)
+    faces, taken = _without(vertices, faces, _find_walls)
+    changes += _removal("inner_walls", "sheets inside the body were taken away", taken)
+    vertices, faces, parted = part_edges(vertices, faces)
+    return vertices, faces, changes + parted
+
+
+class Sheets:
+    """The sheets into which edges with more than two faces cut the surface, and those edges."""
+
+    def __init__(self, vertices: Vertices, faces: Faces, found: Edges) -> None:
+        _edge, pair, _side = found.two_faces()
+        self.count, self.of_face = label_connected(len(faces), pair[:, 0], pair[:, 1])
+        crowded = found.face_count > 2
+        row, side = np.nonzero(crowded[found.of_face])
+        numbers, self.edge = np.unique(found.of_face[row, side], return_inverse=True)
+        self.sheet = self.of_face[row]  # of each face at a crowded edge
+        self.face_count = found.face_count[numbers]
+        self.area = np.bincount(self.of_face, weights=face_areas(vertices, faces), minlength=self.count)
+        border = (found.face_count[found.of_face] == 1).any(axis=1)
+        self.has_border = np.bincount(self.of_face[border], minlength=self.count) > 0
+        _groups, self.group = label_connected(self.count + len(numbers), self.sheet, self.count + self.edge)
+        self.group = self.group[: self.count]
+        self.group_area = np.bincount(self.group, weights=self.area)
+
+    def find_twice_at_an_edge(self) -> Ints:
+        """Sheets with several faces at one crowded edge."""
+        keys, times = np.unique(self.sheet * len(self.face_count) + self.edge, return_counts=True)
+        return np.unique(keys[times > 1] // len(self.face_count))
+
+    def choose(self, order: Ints, leaves: tuple[int, ...] | None) -> Ints:
+        """As many of the sheets, in this order, as may go at once: with none of their crowded edges is done twice.
+
+        leaves: how many faces may be left at these edges; None: two or more.
+        """
+        by_sheet = np.argsort(self.sheet, kind="stable")
+        starts = np.searchsorted(self.sheet[by_sheet], np.arange(self.count + 1))
+        used = np.zeros(len(self.face_count), dtype=np.bool_)
+        chosen = []
+        for sheet in order.tolist():
+            at, times = np.unique(self.edge[by_sheet[starts[sheet] : starts[sheet + 1]]], return_counts=True)
+            left = self.face_count[at] - times
+            fits = (left >= 2).all() if leaves is None else np.isin(left, leaves).all()
+            if fits and len(at) and not used[at].any():
+                used[at] = True
+                chosen.append(sheet)
+        return np.array(chosen, dtype=np.int64)
+
+
+Find = Callable[[Vertices, Faces, Sheets], Ints]
+
+
+def _find_fins(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
+    """Small sheets with a border."""
+    small = sheets.area < FIN_SHARE * sheets.group_area[sheets.group]
+    fins = np.flatnonzero(sheets.has_border & small)
+    return sheets.choose(fins[np.argsort(sheets.area[fins], kind="stable")], None)
+
+
+def _find_walls(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
+    """Sheets after whose removal all edges have two faces: those with the body on both sides first, then the smallest."""
+    candidates = np.unique(sheets.sheet)
+    candidates = candidates[np.argsort(sheets.area[candidates], kind="stable")]
+    # a sheet that has both its sides at an edge is closed there: a body, which only shares the edge
+    single = np.setdiff1d(candidates, sheets.find_twice_at_an_edge(), assume_unique=True)
+    candidates = candidates[np.isin(candidates, single)]
+    fitting = np.array([sheet for sheet in candidates if len(sheets.choose(np.array([sheet]), (2,)))], dtype=np.int64)
+    if len(fitting) == 0:
+        return fitting
+    inside = np.array([_is_inside(vertices, faces, sheets, int(sheet)) for sheet in fitting[:WALLS_TRIED]])
+    inner = fitting[:WALLS_TRIED][inside]
+    # one that may not be inner is taken alone, since the others are judged anew without it
+    return sheets.choose(inner, (2,)) if len(inner) else sheets.choose(fitting[:1], (2,))
+
+
+def _is_inside(vertices: Vertices, faces: Faces, sheets: Sheets, sheet: int) -> bool:
+    """True if the rest of what hangs together winds around the sheet."""
+    own = sheets.of_face == sheet
+    rest = faces[(sheets.group[sheets.of_face] == sheets.group[sheet]) & ~own]
+    turned = find_faces_to_flip(edges(rest))
+    if turned is None:
+        return False
+    rest = rest.copy()
+    rest[turned] = rest[turned][:, [0, 2, 1]]
+    largest = np.flatnonzero(own)[np.argmax(face_areas(vertices, faces[own]))]
+    return abs(winding_number(vertices, rest, vertices[faces[largest]].mean(axis=0))) > 0.5
+
+
+def _without(vertices: Vertices, faces: Faces, find: Find) -> tuple[Faces, list[Floats]]:
+    """Take sheets away until none is found; the faces that are left and the triangles of each sheet."""
+    taken: list[Floats] = []
+    for _ in range(ROUNDS):
+        found = edges(faces)
+        if not (found.face_count > 2).any():
+            break
+        sheets = Sheets(vertices, faces, found)
+        chosen = find(vertices, faces, sheets)
+        if len(chosen) == 0:
+            break
+        taken += [vertices[faces[sheets.of_face == sheet]] for sheet in chosen]
+        faces = faces[~np.isin(sheets.of_face, chosen)]
+    return faces, taken
+
+
+def _removal(kind: str, what: str, taken: list[Floats]) -> list[Change]:
+    if not taken:
+        return []
+    points = np.array([triangles.mean(axis=(0, 1)) for triangles in taken])
+    triangles = np.concatenate(taken)
+    message = f"{len(taken)} {what}, {len(triangles)} faces"
+    return [Change(kind, message, points, np.zeros(len(points)), taken=triangles)]
