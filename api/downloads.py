@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import AsyncIterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-import anyio
 from starlette.requests import Request
 from starlette.responses import Response, StreamingResponse
 
@@ -23,14 +22,17 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f/\\]+|[\ud800-\udfff]+")
 
 @dataclass(frozen=True, slots=True)
 class Download:
-    """A file that never changes: its sha256 (hex) names its bytes."""
+    """A file that never changes: its sha256 (hex) names its bytes.
 
-    path: Path
+    read(start, stop): a half-open span of them in pieces. link: where to get them without us, or None."""
+
+    read: Callable[[int, int], Iterator[bytes]]
     size: int
     sha256: str
     media_type: str
     file_name: str
     inline: bool = False
+    link: str | None = None
 
 
 def send_download(
@@ -53,6 +55,8 @@ def send_download(
     }
     if _matches(request.headers.get("if-none-match"), etag):
         return Response(status_code=304, headers=headers)
+    if download.link is not None and request.method == "GET":
+        return Response(status_code=307, headers={"Location": download.link, "Cache-Control": "no-store"})
     span = None
     if request.headers.get("if-range", etag) == etag:
         span = requested_span(request.headers.get("range"), download.size)
@@ -64,7 +68,7 @@ def send_download(
     if request.method == "HEAD":
         return Response(status_code=status, headers=headers, media_type=download.media_type)
     return StreamingResponse(
-        _read(download.path, start, stop),
+        download.read(start, stop),
         status_code=status,
         headers=headers,
         media_type=download.media_type,
@@ -104,11 +108,12 @@ def _matches(if_none_match: str | None, etag: str) -> bool:
     return "*" in tags or etag in tags
 
 
-async def _read(path: Path, start: int, stop: int) -> AsyncIterator[bytes]:
-    async with await anyio.open_file(path, "rb") as file:
-        await file.seek(start)
+def read_file(path: Path, start: int, stop: int) -> Iterator[bytes]:
+    """A half-open span of a file, in pieces."""
+    with path.open("rb") as file:
+        file.seek(start)
         while start < stop:
-            chunk = await file.read(min(CHUNK_BYTES, stop - start))
+            chunk = file.read(min(CHUNK_BYTES, stop - start))
             if not chunk:
                 raise OSError(f"{path.name} is shorter than its record says")
             start += len(chunk)

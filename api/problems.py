@@ -25,6 +25,7 @@ STATUS_BY_FAULT: dict[Fault, int] = {
 }
 # only what differs from its fault's status
 STATUS_BY_CODE: dict[str, int] = {
+    "blobs.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "database.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "format.unknown": HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
     "idempotency.key_invalid": HTTPStatus.BAD_REQUEST,

@@ -20,9 +20,10 @@ def _check_broker(services: Services) -> str | None:
 
 
 def _check_blobs(services: Services) -> str | None:
-    """Writes a file where uploads go, on the same disk as the blobs."""
+    """Writes where uploads go, and where they are kept."""
     with request_folder(services.incoming_dir) as folder:
         (folder / "probe").write_bytes(b"ready")
+    services.blobs.check()
     return None
 
 

@@ -21,6 +21,7 @@ from store.idempotency import IdempotencyKeys
 from store.jobs import Jobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
+from store.open_blobs import open_blobs
 from store.settings import Settings
 
 CONCURRENT_INTAKES = 2  # each may use intake_memory_bytes
@@ -54,7 +55,8 @@ class Services:
 
 def make_services(settings: Settings) -> Services:
     """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
-    db, blobs = Database(settings), Blobs(settings.blob_dir)
+    db = Database(settings)
+    blobs = open_blobs(settings, db)
     return Services(
         settings=settings,
         db=db,

@@ -12,6 +12,8 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
+from store.s3_place import S3Place
+
 PREFIX = "INTEGUMENT_"
 CLIENT_VARIABLES = frozenset({"INTEGUMENT_URL"})
 """Read by the client alone; a server beside it lets them pass."""
@@ -51,6 +53,12 @@ def _broker_url(url: str) -> str:
     return url
 
 
+def _blobs_url(url: str) -> str:
+    if url:
+        S3Place.of(url)
+    return url
+
+
 def _names(value: Any) -> Any:
     """`a.example, B.example` -> ("a.example", "b.example")."""
     names = value.split(",") if isinstance(value, str) else value
@@ -82,6 +90,17 @@ class Settings(BaseSettings):
     )
     broker_url: Annotated[str, AfterValidator(_broker_url)] = Field(
         "redis://127.0.0.1:6379/0", repr=False, description="Redis or Valkey: `redis://`, `rediss://`, `redis+socket:///path`"
+    )
+    blobs_url: Annotated[str, AfterValidator(_blobs_url)] = Field(
+        "",
+        repr=False,
+        description="Object store for all files: `s3+https://key:secret@host/bucket/folder`; empty: a folder in the data folder",
+    )
+    blobs_links_s: float = Field(
+        0.0,
+        ge=0,
+        le=604_800,
+        description="Downloads are sent on to the object store by links that hold this long; 0: not at all",
     )
     queue: str = Field("jobs", pattern=r"^[a-z][a-z0-9_.-]{0,63}$", description="Name of the queue API and workers share")
     host: str = Field("127.0.0.1", min_length=1, description="Address the API binds")

@@ -7,7 +7,7 @@ import time
 
 from core.errors import IntegumentError
 from store.job import Job
-from worker.database_outage import is_outage, sit_out
+from worker.outage import is_outage, sit_out
 from worker.progress import Progress
 from worker.workshop import Workshop
 

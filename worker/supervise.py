@@ -5,17 +5,18 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from core.errors import IntegumentError, InternalError
+from core.errors import IntegumentError
 from sandbox.outcome import Outcome, log_tail
 from sandbox.overrun import find_overrun
 from store.job import Job, JobFailure, JobOutput
 from worker.child_result import ChildResult, ListedOutput, read_outputs, read_result, store_outputs
-from worker.database_outage import sit_out
 from worker.job_folder import job_folder
 from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
+from worker.outage import sit_out
 from worker.progress import Progress
 from worker.workshop import Workshop
 
@@ -91,13 +92,12 @@ class _Attempt:
             self._lease.beat()
 
     def _payload(self, folder: Path) -> dict[str, Any]:
-        out = folder / "out"
-        out.mkdir(mode=0o700)
+        out, given = folder / "out", folder / "in"
+        for here in (out, given):
+            here.mkdir(mode=0o700)
         meshes = {}
         for href, mesh in self._job.mesh_inputs.items():
-            path = self._workshop.blobs.path(mesh.sha256)
-            if not path.is_file():
-                raise InternalError("blob.missing", f"the file of mesh {mesh.name} is not in the store", sha256=mesh.sha256)
+            path = self._keep_beating(partial(self._workshop.blobs.fetch, mesh.sha256, given))
             meshes[href] = {
                 "path": str(path),
                 "name": mesh.name,
@@ -109,7 +109,7 @@ class _Attempt:
 
     def _store(self, listed: Iterable[ListedOutput], folder: Path) -> dict[str, JobOutput]:
         self._progress.enter("store")
-        return self._keep_beating(lambda: store_outputs(listed, folder, self._workshop.blobs))
+        return self._keep_beating(partial(store_outputs, tuple(listed), folder, self._workshop.blobs))
 
     def _finish(self, result: ChildResult, outputs: dict[str, JobOutput]) -> None:
         self._lease.tell_all()
@@ -149,9 +149,9 @@ class _Attempt:
             self._workshop.announce(job.id, job.attempt)
 
     def _keep_beating(self, work: Callable[[], T]) -> T:
-        """Do slow disk work while the lease is kept."""
+        """Do slow work with blobs, again while their store is away, and keep the lease."""
         with ThreadPoolExecutor(max_workers=1) as helper:
-            future = helper.submit(work)
+            future = helper.submit(sit_out, work)
             while True:
                 try:
                     return future.result(timeout=WATCH_S)

@@ -14,6 +14,7 @@ from store.database import Database
 from store.doorbell import Doorbell
 from store.idempotency import IdempotencyKeys
 from store.jobs import Jobs
+from store.open_blobs import open_blobs
 from store.references import References
 from store.settings import Settings
 from worker.closing import Closing
@@ -45,7 +46,7 @@ class Workshop:
             settings=settings,
             db=db,
             jobs=Jobs(db),
-            blobs=Blobs(settings.blob_dir),
+            blobs=open_blobs(settings, db),
             references=References(db),
             keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),

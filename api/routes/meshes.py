@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,7 +12,7 @@ import anyio
 from fastapi import APIRouter, Depends, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from api.downloads import Download, send_download
+from api.downloads import Download, read_file, send_download
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.intake import limits_of, name_of, parse, require_unit
 from api.links import BASE, mesh_path
@@ -22,6 +23,7 @@ from api.request_folder import request_folder
 from api.responses import files, problems
 from api.schemas.mesh import MeshInfo, MeshList
 from api.services import Services, ServicesDep
+from api.stored_download import stored_download
 from api.upload_form import ReceivedFile, receive_file
 from sandbox.call import call
 from store.idempotency import Reply
@@ -150,15 +152,19 @@ async def get_mesh_file(
 
 
 def _original(services: Services, record: MeshRecord) -> Download:
-    services.blobs.open(record.sha256).close()  # that it is there must be known before the answer begins
-    path = services.blobs.path(record.sha256)
-    return Download(path, record.size_bytes, record.sha256, "application/octet-stream", record.file_name)
+    return stored_download(
+        services.blobs,
+        record.sha256,
+        record.size_bytes,
+        file_name=record.file_name,
+        media_type="application/octet-stream",
+    )
 
 
 def _export(services: Services, record: MeshRecord, file_format: str, folder: Path) -> Download:
     path = folder / "export"
     payload = {
-        "path": str(services.blobs.path(record.canonical_sha256).absolute()),
+        "path": str(services.blobs.fetch(record.canonical_sha256, folder).absolute()),
         "out_path": str(path),
         "format": file_format,
         "name": record.name,
@@ -166,4 +172,4 @@ def _export(services: Services, record: MeshRecord, file_format: str, folder: Pa
     told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder)
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    return Download(path, path.stat().st_size, sha256, told["media_type"], record.name + told["extension"])
+    return Download(partial(read_file, path), path.stat().st_size, sha256, told["media_type"], record.name + told["extension"])

@@ -18,6 +18,7 @@ from api.parameters import JobId
 from api.responses import files, problems
 from api.schemas.job import Results
 from api.services import Services, ServicesDep
+from api.stored_download import stored_download
 from core.errors import StateError
 from store.job import Job, JobOutput
 
@@ -102,12 +103,6 @@ def _about(job: Job) -> dict[str, Any]:
 
 
 def _download(services: Services, output: JobOutput, *, inline: bool = False) -> Download:
-    services.blobs.open(output.sha256).close()  # that it is there must be known before the answer begins
-    return Download(
-        path=services.blobs.path(output.sha256),
-        size=output.size,
-        sha256=output.sha256,
-        media_type=output.media_type,
-        file_name=output.file_name,
-        inline=inline,
+    return stored_download(
+        services.blobs, output.sha256, output.size, file_name=output.file_name, media_type=output.media_type, inline=inline
     )

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from store.blobs import Blobs
 from store.database import Database
 from store.events import Events
 from store.jobs import Jobs
@@ -61,9 +60,3 @@ def jobs(db: Database) -> Jobs:
 def events(db: Database) -> Events:
     """The events of its jobs."""
     return Events(db)
-
-
-@pytest.fixture
-def blobs(tmp_path: Path) -> Blobs:
-    """An empty blob store."""
-    return Blobs(tmp_path / "blobs")

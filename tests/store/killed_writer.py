@@ -12,20 +12,21 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-import store.blobs
-from store.blobs import CHUNK_BYTES, Blobs
+import store.local_blobs
+from store.blobs import CHUNK_BYTES
+from store.local_blobs import LocalBlobs
 
 DATA = os.urandom(2 * CHUNK_BYTES + 5)
 NAME = hashlib.sha256(DATA).hexdigest()
 
 
 def write_and_die(root: Path, source: Path, line_number: int) -> None:
-    """Put `source`, but die before the given line of store/blobs.py, counted as executed."""
+    """Put `source`, but die before the given line of store/local_blobs.py, counted as executed."""
     executed = 0
 
     def trace(frame: FrameType, event: str, _: Any) -> Any:
         nonlocal executed
-        if frame.f_code.co_filename != store.blobs.__file__:
+        if frame.f_code.co_filename != store.local_blobs.__file__:
             return None
         if event == "line":
             executed += 1
@@ -34,7 +35,7 @@ def write_and_die(root: Path, source: Path, line_number: int) -> None:
         return trace
 
     sys.settrace(trace)
-    Blobs(root).put_file(source)
+    LocalBlobs(root).put_file(source)
 
 
 def main() -> None:
@@ -55,7 +56,7 @@ def main() -> None:
             assert os.WEXITSTATUS(status) == 0
             break
         assert os.WTERMSIG(status) == signal.SIGKILL
-        blobs = Blobs(root)
+        blobs = LocalBlobs(root)
         left = list(blobs.all())
         for blob in left:
             assert blob.sha256 == NAME

@@ -138,6 +138,7 @@ def default_of(name: str) -> str:
         "database_url": "`sqlite:///{data_dir}/integument.sqlite3`",
         "worker_concurrency": "number of cores",
         "allowed_hosts": "none",
+        "blobs_url": "none",
     }
     if name in told:
         return str(told[name])

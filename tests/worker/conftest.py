@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from store.blobs import Blobs
+from store.local_blobs import LocalBlobs
 from store.database import Database
 from store.doorbell import Doorbell
 from store.events import Events
@@ -35,7 +35,7 @@ class Service:
         self.db.migrate()
         self.jobs = Jobs(self.db)
         self.events = Events(self.db)
-        self.blobs = Blobs(settings.blob_dir)
+        self.blobs = LocalBlobs(settings.blob_dir)
         self.doorbell = Doorbell(settings.broker_url, settings.queue)
         self.log_path = settings.data_dir / "worker.log"
         self.workers: list[subprocess.Popen[bytes]] = []

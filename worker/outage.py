@@ -1,4 +1,4 @@
-"""A database that is away for a moment must not cost the work of an hour."""
+"""A database or object store that is away for minutes must not cost the work of an hour."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from core.errors import IntegumentError
 
 logger = logging.getLogger(__name__)
 
-PATIENCE_S = 120.0
+PATIENCE_S = 600.0
 FIRST_WAIT_S = 0.5
 LONGEST_WAIT_S = 5.0
 
@@ -20,11 +20,11 @@ T = TypeVar("T")
 
 def is_outage(error: IntegumentError) -> bool:
     """Whether the same act may succeed a little later."""
-    return error.code in ("database.unavailable", "storage.full")
+    return error.code in ("database.unavailable", "blobs.unavailable", "storage.full")
 
 
 def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
-    """Do `act`, again and again while the database is away; raises its last error after `patience_s`.
+    """Do `act`, again and again while the store is away; raises its last error after `patience_s`.
 
     `act` must be safe to repeat: writes under a fencing token are."""
     deadline = time.monotonic() + patience_s

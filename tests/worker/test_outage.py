@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from core.errors import InternalError, StateError
-from worker.database_outage import sit_out
+from worker.outage import sit_out
 
 
 def test_an_act_is_repeated_until_the_database_is_back() -> None:
