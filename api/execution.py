@@ -16,6 +16,7 @@ from core.errors import InputError
 from core.schema.model import FrozenModel
 from core.schema.processes import ProcessDescription
 from core.schema.reference import MeshReference, PackageReference
+from core.schema.surfaces import SurfacesInputs
 from store.job import MeshInput
 
 _ORIGIN = re.compile(r"^https?://[^/]+")
@@ -31,9 +32,14 @@ def read_inputs(process: ProcessDescription, sent: Mapping[str, Any]) -> FrozenM
 
 def require_known_outputs(process: ProcessDescription, inputs: FrozenModel, request: ExecuteRequest) -> None:
     """Raises InputError `outputs.unknown` if the request names an output this job will not have."""
+    if isinstance(inputs, SurfacesInputs) and inputs.package is not None:
+        return  # which surfaces a package holds is known when it is read
     known = [*process.outputs]
     if process.names_layers:
         known += [layer.name for layer in getattr(inputs, "layers", ())]
+    if isinstance(inputs, SurfacesInputs):
+        known = [name for name in known if name != ("mesh" if inputs.mesh is None else "package")]
+        known += list(inputs.meshes or ())
     unknown = sorted(set(request.outputs or ()) - set(known))
     if unknown:
         raise InputError(

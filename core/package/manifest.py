@@ -8,6 +8,7 @@ from pydantic import Field
 
 from core.schema.model import FrozenModel
 from core.schema.report import Verdict
+from core.schema.shells import Side
 
 FORMAT_VERSION = 1
 FILE_NAME = "manifest.json"
@@ -33,7 +34,7 @@ class TissueEntry(FrozenModel):
     depth_mm: float | None = Field(
         description="Distance to the skin asked for outside all regions, or their median if given by vertex; null for the skin"
     )
-    side: str | None = Field(None, description="`inside` or `outside` of the skin; null for the skin")
+    side: Side | None = Field(None, description="`inside` or `outside` of the skin; null for the skin")
     conductivity_s_per_m: float = Field(description="Between this surface and the next ones inside")
     conductivity_source: str
     enclosing_tissue: str = Field(description="Name of a tissue listed before, or FreeSpace")

@@ -11,21 +11,13 @@ import numpy as np
 
 from core.errors import InternalError
 from core.mesh import Mesh
+from core.package.manifest import TissueEntry
 from core.package.read import read_package
 from core.processes.named_input import load_input
 from core.run import RunContext
 from core.schema.surfaces import SurfacesInputs
 
 ONE = "mesh"  # the name of a surface that came alone, and of its output
-
-
-@dataclass(frozen=True, slots=True)
-class TissueFacts:
-    """What a package says of a tissue beside its surface, see `core.package.tissue.Tissue`."""
-
-    depth_mm: float | None
-    conductivity_s_per_m: float
-    enclosing: str
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,7 +30,7 @@ class LoadedSurfaces:
     """
 
     meshes: Mapping[str, Mesh]
-    tissues: Mapping[str, TissueFacts]
+    tissues: Mapping[str, TissueEntry]
     sources: Mapping[str, Any]
     changes: tuple[dict[str, Any], ...]
     together: bool
@@ -50,7 +42,7 @@ def load_surfaces(inputs: SurfacesInputs, entries: Mapping[str, Mapping[str, Any
     Raises: InputError `reference.not_a_mesh`, `package.corrupt`, `package.checksum_mismatch`; InternalError
     `reference.unresolved`, `canonical.corrupt`.
     """
-    tissues: dict[str, TissueFacts] = {}
+    tissues: dict[str, TissueEntry] = {}
     if inputs.package is not None:
         href = inputs.package.href
         entry = entries.get(href)
@@ -59,8 +51,7 @@ def load_surfaces(inputs: SurfacesInputs, entries: Mapping[str, Mapping[str, Any
         package = read_package(Path(entry["path"]))
         read: Mapping[str, Mesh] = package.surfaces
         sources: dict[str, Any] = {"package": {"name": entry["file_name"], "sha256": entry["sha256"]}}
-        for tissue in package.manifest.tissues:
-            tissues[tissue.name] = TissueFacts(tissue.depth_mm, tissue.conductivity_s_per_m, tissue.enclosing_tissue)
+        tissues = {tissue.name: tissue for tissue in package.manifest.tissues}
     else:
         references = {ONE: inputs.mesh} if inputs.mesh is not None else inputs.meshes or {}
         loaded = {name: load_input(reference.href, entries) for name, reference in references.items()}

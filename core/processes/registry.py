@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from core.errors import IntegumentError, StateError
+from core.processes.decimate import run_decimate
 from core.processes.ears import run_ears
 from core.processes.failure import failure_report
 from core.processes.graft import run_graft
+from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.shells import run_shells
+from core.processes.smooth import run_smooth
 from core.processes.validate import run_validate
 from core.processes.warm_up import warm_up
 from core.reports.figures.figure import Figure
@@ -23,7 +26,15 @@ from core.schema.report import Report
 __all__ = ["HANDLERS", "run", "warm_up"]
 
 Handler = Callable[[Any, Mapping[str, Mapping[str, Any]], RunContext, Path], Outcome]
-HANDLERS: dict[str, Handler] = {"validate": run_validate, "shells": run_shells, "ears": run_ears, "graft": run_graft}
+HANDLERS: dict[str, Handler] = {
+    "validate": run_validate,
+    "shells": run_shells,
+    "ears": run_ears,
+    "graft": run_graft,
+    "heal": run_heal,
+    "decimate": run_decimate,
+    "smooth": run_smooth,
+}
 
 
 class EventSink(Protocol):

@@ -10,6 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from core.reports import wording
+from core.reports.change_entries import change_entries
 from core.reports.figures.figure import Figure
 from core.reports.tissue_rows import nesting_lines, tissue_rows
 from core.schema.finding import Finding, Severity
@@ -31,6 +32,7 @@ def render_html(report: Report, figures: Sequence[Figure]) -> str:
             ready=report.verdict == "simulation_ready",
             rows=tissue_rows(report),
             nesting=nesting_lines(report),
+            changes=change_entries(report.changes),
             findings=sorted(report.findings, key=_urgency),
             counts=counts,
             figures=[_embedded(figure) for figure in figures],
@@ -64,6 +66,18 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    for word in ("whole", "significant", "area", "volume", "percent", "yes_no", "point", "numbers", "relation", "flattened"):
+    for word in (
+        "whole",
+        "significant",
+        "area",
+        "volume",
+        "drift",
+        "percent",
+        "yes_no",
+        "point",
+        "numbers",
+        "relation",
+        "flattened",
+    ):
         environment.filters[word] = getattr(wording, word)
     return environment

@@ -61,6 +61,14 @@ def percent(share: float | None) -> str:
     return f"{100 * share:g} %"
 
 
+def drift(share: float | None) -> str:
+    """`+0.12 %`, `−1.3 %`; three digits, because a small change of a volume is what one looks for."""
+    if share is None:
+        return NOT_KNOWN
+    text = f"{100 * share:+.3g} %" if abs(share) >= 1e-9 else "0 %"
+    return text.replace("-", "−")
+
+
 def yes_no(value: bool | None) -> str:
     """`yes`, `no`, or not known."""
     return NOT_KNOWN if value is None else ("yes" if value else "no")

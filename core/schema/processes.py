@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
+from core.schema.decimate import DecimateInputs
 from core.schema.ears import EarsInputs
 from core.schema.graft import GraftInputs
+from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
 from core.schema.shells import ShellsInputs
+from core.schema.smooth import SmoothInputs
 from core.schema.validate import ValidateInputs
 
 MediaType = Literal["application/zip", "application/json", "text/html", "model/stl"]
@@ -33,6 +36,8 @@ class ProcessDescription(FrozenModel):
     outputs: dict[str, OutputDescription]
     names_layers: bool = False
     """True if every layer asked for is an output of its own besides (`results/fat`), ready to be chained."""
+    names_surfaces: bool = False
+    """True if every surface that came is an output under its own name: `mesh` if it came alone, else beside the package."""
 
 
 _REPORT = OutputDescription(title="Report", media_type="application/json", description="Numbers and findings, see docs")
@@ -96,4 +101,52 @@ GRAFT = ProcessDescription(
         "report_html": _REPORT_HTML,
     },
 )
-PROCESSES: dict[str, ProcessDescription] = {process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT)}
+_OF_SURFACES = {
+    "mesh": OutputDescription(
+        title="Surface", media_type="model/stl", description="The surface as delivered, float32; if one came"
+    ),
+    "package": OutputDescription(
+        title="Package",
+        media_type="application/zip",
+        description="All surfaces with solver files, manifest and report; if several came, or a package",
+    ),
+    "report": _REPORT,
+    "report_html": _REPORT_HTML,
+}
+HEAL = ProcessDescription(
+    id="heal",
+    version="1.0.0",
+    title="Heal surfaces",
+    description="Make defective surfaces closed, manifold, outward and free of self-intersection with the smallest change: "
+    "cracks, holes, T-junctions, duplicates, orientation, pieces, self-intersections. Lists every change; refuses rather than "
+    "destroy.",
+    keywords=("heal", "repair", "holes", "self-intersection", "manifold"),
+    inputs=HealInputs,
+    outputs=_OF_SURFACES,
+    names_surfaces=True,
+)
+DECIMATE = ProcessDescription(
+    id="decimate",
+    version="1.0.0",
+    title="Decimate surfaces",
+    description="Fewer faces where the surface is flattest, to a number, a ratio or a largest deviation, with regions of their "
+    "own; same topology, no new self-intersection, several surfaces kept apart, deviation measured both ways.",
+    keywords=("decimation", "simplification", "curvature", "quadric error", "nested shells"),
+    inputs=DecimateInputs,
+    outputs=_OF_SURFACES,
+    names_surfaces=True,
+)
+SMOOTH = ProcessDescription(
+    id="smooth",
+    version="1.0.0",
+    title="Smooth surfaces",
+    description="Better triangles or less noise by Laplacian, lumped, CVT, WCC, HC or Taubin smoothing, in regions or "
+    "everywhere, without self-intersection; stops when quality no longer rises, reports the drift of volume.",
+    keywords=("smoothing", "Laplacian", "triangle quality", "HC", "Taubin"),
+    inputs=SmoothInputs,
+    outputs=_OF_SURFACES,
+    names_surfaces=True,
+)
+PROCESSES: dict[str, ProcessDescription] = {
+    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH)
+}

@@ -20,6 +20,7 @@ from core.reports.figures.surface_views import draw_surface_views
 from core.reports.palette import tissue_colours
 from core.schema.report import Report
 
+UNCHANGED_MM = 1e-9  # distances of a surface to itself are not exactly 0
 MOST_PAINTED = 6  # surfaces that get pictures of their own; a page of sixty-four would be read by nobody
 
 
@@ -34,7 +35,8 @@ def draw_comparison(originals: Mapping[str, Mesh], deviations: Mapping[str, Devi
     largest = max(results, key=lambda name: float(np.prod(results[name].extents_mm() + 1e-9)))
     frame = find_body_frame(results[largest])
     figures: list[Figure | None] = []
-    for name in list(results)[:MOST_PAINTED]:
+    changed = [name for name in results if deviations[name].maximum_mm > UNCHANGED_MM or _count(originals, results, name)]
+    for name in changed[:MOST_PAINTED]:
         figures.append(draw_curvature_pair(name, originals[name], results[name], frame))
         figures.append(draw_deviation_map(name, deviations[name], frame))
     if any(finding.places for finding in report.findings):
@@ -46,3 +48,8 @@ def draw_comparison(originals: Mapping[str, Mesh], deviations: Mapping[str, Devi
     pairs = {name: (originals[name], result) for name, result in list(results.items())[:MOST_PAINTED]}
     figures.append(draw_quality_pairs(pairs, colours))
     return tuple(figure for figure in figures if figure is not None)
+
+
+def _count(originals: Mapping[str, Mesh], results: Mapping[str, Mesh], name: str) -> int:
+    """Faces more or less than before."""
+    return len(results[name].faces) - len(originals[name].faces)

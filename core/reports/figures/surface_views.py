@@ -3,61 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
 from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.circled_views import Mark, draw_circled
 from core.reports.figures.figure import Figure
-from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_views, place_picture
-from core.reports.figures.view import Raster, Surface, look
-from core.reports.palette import Colour, lightened
+from core.reports.palette import Colour
 from core.schema.finding import Finding, Severity
 
-Floats = NDArray[np.float64]
 SEVERITY_COLOURS: dict[Severity, str] = {Severity.ERROR: "#c8102e", Severity.WARNING: "#b86e00", Severity.INFO: "#1f6fb2"}
-WIDTH_IN, HEIGHT_IN, LEGEND_IN = 8.4, 5.5, 0.24
-RADIUS_PX = 13.0
-SLACK_MM = 10.0  # a place on an inner shell or in a fold counts as visible through this much
-
-
-@dataclass(frozen=True, slots=True)
-class _Marks:
-    """The places of all findings of one code, (N, 3) mm; `count` says how many there are."""
-
-    code: str
-    severity: Severity
-    count: int
-    points: Floats
 
 
 def draw_surface_views(mesh: Mesh, frame: BodyFrame, colour: Colour, findings: Sequence[Finding]) -> Figure:
-    """Views of the outermost mesh with the places of the errors and warnings, or else of what is only for information; a
-    dashed circle is a place on a side that no view shows."""
+    """Views of the outermost mesh with the places of the errors and warnings, or else of what is only for information."""
     marks = _marks(findings)
-    legend_in = LEGEND_IN * len(marks) + (0.1 if marks else 0.0)
-    paint = np.tile(np.array(lightened(colour, 0.62), dtype=np.uint8), (len(mesh.faces), 1))
-    surface = Surface.of(mesh)
-    with sheet(WIDTH_IN, HEIGHT_IN + legend_in, VIEW_DPI) as figure:
-        below_px = round(legend_in * VIEW_DPI)
-        panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
-        rasters = [look(surface, panel.view) for panel in panels]
-        for panel, raster in zip(panels, rasters, strict=True):
-            place_picture(figure, panel, raster.paint(paint), below_px)
-        for mark in marks:
-            for circle in _circles(mark, panels, rasters):
-                _draw_circle(figure, circle, SEVERITY_COLOURS[mark.severity], below_px)
-        if marks:
-            figure.legend(
-                handles=[_handle(mark) for mark in marks], loc="lower left", bbox_to_anchor=(0.02, 0.0), borderaxespad=0.2
-            )
-        png = to_png(figure)
+    png = draw_circled(mesh, frame, colour, marks)
     caption = "The outermost surface."
     if marks:
         caption = (
@@ -66,84 +28,18 @@ def draw_surface_views(mesh: Mesh, frame: BodyFrame, colour: Colour, findings: S
     return Figure("surface", "Surface and places of the findings" if marks else "Surface", caption, png)
 
 
-def _marks(findings: Sequence[Finding]) -> list[_Marks]:
+def _marks(findings: Sequence[Finding]) -> list[Mark]:
     placed = [finding for finding in findings if finding.places]
     urgent = [finding for finding in placed if finding.severity is not Severity.INFO]
     by_code: dict[tuple[str, Severity], list[Finding]] = {}
     for finding in sorted(urgent or placed, key=lambda each: list(Severity).index(each.severity)):
         by_code.setdefault((finding.code, finding.severity), []).append(finding)
     return [
-        _Marks(
-            code,
-            severity,
+        Mark(
+            f"{severity}: {code}",
+            SEVERITY_COLOURS[severity],
             sum(finding.count for finding in alike),
             np.array([place.point_mm for finding in alike for place in finding.places], dtype=np.float64),
         )
         for (code, severity), alike in by_code.items()
     ]
-
-
-@dataclass(frozen=True, slots=True)
-class _Circle:
-    """Around one or several places that lie close together in a panel; centre in pixels from its lower left corner."""
-
-    panel: Panel
-    centre: Floats
-    radius_px: float
-    count: int
-    hidden: bool
-
-
-def _circles(mark: _Marks, panels: Sequence[Panel], rasters: Sequence[Raster]) -> list[_Circle]:
-    """The circles of one finding; places that no view shows are drawn in the first one."""
-    circles = []
-    visible = np.array([raster.sees(mark.points, SLACK_MM) for raster in rasters])
-    nowhere = ~visible.any(axis=0)
-    for number, panel in enumerate(panels):
-        hidden_here = nowhere if number == 0 else np.zeros_like(nowhere)
-        for shown, hidden in ((visible[number], False), (hidden_here, True)):
-            flat = (panel.view.flatten(mark.points[shown]) - panel.view.low) * panel.view.pixels_per_mm
-            circles += [_Circle(panel, *_ring(members), len(members), hidden) for members in _clusters(flat)]
-    return circles
-
-
-def _ring(members: Floats) -> tuple[Floats, float]:
-    """Centre (2,) and radius of a circle around points (N, 2), in pixels."""
-    centre = (members.min(axis=0) + members.max(axis=0)) / 2
-    return centre, max(RADIUS_PX, float(np.linalg.norm(members - centre, axis=1).max()) + 0.6 * RADIUS_PX)
-
-
-def _clusters(points: Floats) -> list[Floats]:
-    """Points (N, 2) in groups whose circles do not overlap: each point joins, with all its group, what it touches."""
-    groups: list[Floats] = []
-    for point in points:
-        merged = point[None, :]
-        while touched := [group for group in groups if _overlap(group, merged)]:
-            groups = [group for group in groups if not _overlap(group, merged)]
-            merged = np.concatenate([*touched, merged])
-        groups.append(merged)
-    return groups
-
-
-def _overlap(first: Floats, second: Floats) -> bool:
-    (one, radius), (other, other_radius) = _ring(first), _ring(second)
-    return float(np.linalg.norm(one - other)) < radius + other_radius
-
-
-def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int) -> None:
-    left, bottom, _, _ = circle.panel.place
-    x, y = left + float(circle.centre[0]), bottom + below_px + float(circle.centre[1])
-    style = "--" if circle.hidden else "-"
-    ring = Circle((x, y), circle.radius_px, transform=None, facecolor="none", edgecolor=colour, linewidth=1.2, linestyle=style)
-    figure.add_artist(ring)
-    if circle.count > 1:
-        width_px, height_px = figure.get_size_inches() * figure.dpi
-        at = ((x + 0.75 * circle.radius_px) / width_px, (y + 0.75 * circle.radius_px) / height_px)
-        figure.text(*at, str(circle.count), color=colour, fontsize=6.5, ha="left", va="bottom")
-
-
-def _handle(mark: _Marks) -> Line2D:
-    more = f" ({len(mark.points)} shown)" if len(mark.points) < mark.count else ""
-    colour = SEVERITY_COLOURS[mark.severity]
-    label = f"{mark.severity}: {mark.code} × {mark.count}{more}"
-    return Line2D([], [], linestyle="none", marker="o", markerfacecolor="none", markeredgecolor=colour, label=label)

@@ -1,0 +1,165 @@
+"""From surfaces made to what is delivered: files, proof on the files read back, report with before and after, package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.errors import InternalError
+from core.geometry.deviation import Deviation, measure_deviation
+from core.io.registry import read_meshes, write_mesh
+from core.mesh import Mesh
+from core.package.build import build_package
+from core.package.conductivity import conductivity_of
+from core.package.read import read_shells
+from core.package.tissue import FREE_SPACE, Tissue
+from core.processes.loaded_surfaces import LoadedSurfaces
+from core.processes.outcome import Outcome, OutputFile
+from core.processes.software import software_versions
+from core.reports.figures.compare import draw_comparison
+from core.reports.figures.figure import Figure
+from core.run import RunContext
+from core.schema.finding import Finding
+from core.schema.report import Report
+from core.validation.comparison import compare_with_original
+from core.validation.validate import Validation, validate
+
+PROOF = (
+    "Coordinates were rounded to single precision, written to binary STL, read back, and checked there with exact "
+    "predicates [1]. Deviation is the distance between the surfaces in both ways, at all vertices and in the middles of faces."
+)
+Proof = Callable[[Validation, Mapping[str, Deviation]], list[str]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SurfaceJob:
+    """What differs between the processes that turn surfaces into surfaces.
+
+    source: what came, checked as `before`. made: the same names, exact in float32. find_broken: what a result, as validated
+    and compared, breaks of the promise, in words; empty if it keeps it. not_proven: the code if it breaks any. draw: figures of
+    its own, after the others.
+    """
+
+    process: str
+    not_proven: str
+    source: LoadedSurfaces
+    before: Validation
+    made: Mapping[str, Mesh]
+    min_gap_mm: float
+    summary: Callable[[Report], str]
+    find_broken: Proof
+    methods: str
+    references: tuple[str, ...]
+    parameters: Mapping[str, Any]
+    changes: tuple[dict[str, Any], ...] = ()
+    findings: tuple[Finding, ...] = ()
+    draw: Callable[[Report], tuple[Figure, ...]] = field(default=lambda _report: ())
+
+
+def deliver_surfaces(job: SurfaceJob, run: RunContext, out_dir: Path) -> Outcome:
+    """Files, proof, report; a package if several surfaces came or a package.
+
+    Raises: InternalError `package.differs`, and `job.not_proven` with a report.
+    """
+    run.stage("write and read back", 0.0, 0.06)
+    delivered = _deliver(job.made, out_dir)
+    after = validate(delivered, min_gap_mm=job.min_gap_mm, run=run.stage("prove", 0.06, 0.35))
+    compare = run.stage("compare", 0.35, 0.5)
+    deviations = {name: measure_deviation(job.source.meshes[name], mesh) for name, mesh in delivered.items()}
+    report = _report(job, after, delivered, deviations)
+    compare.advance(1.0, f"deviation {max(each.maximum_mm for each in deviations.values()):.4g} mm")
+    _require_proven(job, report, after, deviations)
+    run.stage("figures", 0.5, 0.92)
+    figures = (*draw_comparison(job.source.meshes, deviations, report), *job.draw(report))
+    files = tuple(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in delivered)
+    if not job.source.together:
+        return Outcome(report, figures, files)
+    run.stage("package", 0.92, 1.0)
+    package = out_dir / "package.zip"
+    packed = build_package(package, _tissues(job, report), report, figures)
+    _require_unchanged(package, delivered)
+    return Outcome(packed, figures, (OutputFile("package", Path(package.name), "application/zip", package.name), *files))
+
+
+def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
+    """Write binary STL and read it back: what is proven is what the files hold."""
+    delivered = {}
+    for name, mesh in surfaces.items():
+        path = out_dir / f"{name}.stl"
+        write_mesh(mesh, path, "stl", name)
+        delivered[name] = read_meshes(path, file_name=path.name, unit="mm").meshes[0].mesh
+    return delivered
+
+
+def _report(job: SurfaceJob, after: Validation, delivered: Mapping[str, Mesh], deviations: Mapping[str, Deviation]) -> Report:
+    order = _in_nesting_order(after.nesting) if job.source.together else tuple(delivered)
+    report = Report(
+        process=job.process,
+        verdict=after.verdict,
+        summary="",
+        meshes={name: after.meshes[name] for name in order},
+        pairs=after.pairs,
+        comparisons={
+            name: compare_with_original(
+                job.source.meshes[name], job.before.meshes[name], delivered[name], after.meshes[name], deviations[name]
+            )
+            for name in order
+        },
+        nesting=after.nesting,
+        findings=(*after.findings, *job.findings),
+        changes=(*job.source.changes, *job.changes),
+        methods=job.methods,
+        references=job.references,
+        parameters={**job.parameters, **job.source.sources},
+        software=software_versions(),
+    )
+    return report.model_copy(update={"summary": job.summary(report)})
+
+
+def _in_nesting_order(nesting: Mapping[str, str | None]) -> tuple[str, ...]:
+    """Every name after the one that encloses it, otherwise in their order."""
+    order: list[str] = []
+
+    def add(name: str) -> None:
+        holder = nesting[name]
+        if holder is not None and holder not in order:
+            add(holder)
+        if name not in order:
+            order.append(name)
+
+    for name in nesting:
+        add(name)
+    return tuple(order)
+
+
+def _require_proven(job: SurfaceJob, report: Report, after: Validation, deviations: Mapping[str, Deviation]) -> None:
+    """Never hand out surfaces that break the promise: that would be our bug, and is said with all that is known."""
+    broken = job.find_broken(after, deviations)
+    if broken:
+        words = "; ".join(broken[:3])
+        raise InternalError(job.not_proven, f"the surfaces made do not pass the proof: {words}", report=report, findings=())
+
+
+def _tissues(job: SurfaceJob, report: Report) -> tuple[Tissue, ...]:
+    """As the package that came has them, else with the defaults for their names."""
+    tissues = []
+    for name in report.meshes:
+        known = job.source.tissues.get(name)
+        enclosing = report.nesting[name] or FREE_SPACE
+        if known is None:
+            tissues.append(Tissue(name, job.made[name], None, conductivity_of(name), enclosing))
+        else:
+            tissues.append(Tissue(name, job.made[name], known.depth_mm, known.conductivity_s_per_m, enclosing, known.side))
+    return tuple(tissues)
+
+
+def _require_unchanged(package: Path, delivered: Mapping[str, Mesh]) -> None:
+    """The package must hold the very files that were proven."""
+    packed = read_shells(package)
+    for name, mesh in delivered.items():
+        if name not in packed or not np.array_equal(packed[name].triangles(), mesh.triangles()):
+            raise InternalError("package.differs", f"the package does not hold the proven surface '{name}'", mesh=name)
