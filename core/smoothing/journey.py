@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.geometry.adjacency import edges
 from core.geometry.distance import smallest_gap_between
 from core.geometry.face_tree import FaceTree
 from core.mesh import Faces, Mesh, Vertices
 from core.schema.smooth import SmoothInputs
-from core.smoothing.guarded_step import GuardedSurface
+from core.smoothing.company import Company
+from core.smoothing.guarded_step import GuardedSurface, Step
 from core.smoothing.progress import Progress, measure_progress
 from core.smoothing.proposal import Original, propose
 
@@ -20,6 +20,8 @@ Flags = NDArray[np.bool_]
 
 PATIENCE = 3  # iterations in a row without a rise after which a surface rests
 RISE = 1.001  # factor by which the lowest quality must grow to count as risen
+JUMP_SHORTENING = 0.5  # of a whole step that would take a piece through another
+SMALLEST_JUMP = 0.1  # below, the surface stays where it is
 LEAST_QUALITY = 0.05  # with all iterations wanted, no step takes q below this, or lower where it is below
 
 
@@ -27,10 +29,11 @@ LEAST_QUALITY = 0.05  # with all iterations wanted, no step takes q below this, 
 class Journey:
     """within: (V,) vertices in the regions, rims included. best: iteration with the highest lowest quality."""
 
+    name: str
     original: Original
+    company: Company
     state: GuardedSurface
     within: Flags
-    closed: bool
     inputs: SmoothInputs
     progress: list[Progress]
     best: int
@@ -40,28 +43,23 @@ class Journey:
     _best_faces: Faces
 
     @classmethod
-    def of(cls, mesh: Mesh, tree: FaceTree, state: GuardedSurface, within: Flags, inputs: SmoothInputs) -> Journey:
+    def of(cls, name: str, mesh: Mesh, company: Company, state: GuardedSurface, within: Flags, inputs: SmoothInputs) -> Journey:
         """At the start; a surface without vertices to move is at rest at once."""
-        closed = bool((edges(mesh.faces).face_count == 2).all())
+        closed = company.is_closed(name)
         first = measure_progress(0, mesh.vertices, mesh.vertices, mesh.faces, state.faces_asked, closed=closed)
-        rests = len(state.chosen) == 0
-        original = Original(mesh.vertices, tree)
-        return cls(original, state, within, closed, inputs, [first], 0, 0, rests, mesh.vertices, mesh.faces)
+        original, rests = Original(mesh.vertices, company.tree(name)), len(state.chosen) == 0
+        return cls(name, original, company, state, within, inputs, [first], 0, 0, rests, mesh.vertices, mesh.faces)
 
-    def tree(self) -> FaceTree:
-        """Of the surface as it is now."""
-        return FaceTree.of(self.state.vertices, self.state.net.faces)
-
-    def go(self, iteration: int, others: tuple[FaceTree, ...]) -> None:
-        """One iteration between other surfaces; comes to rest where nothing is gained."""
+    def go(self, iteration: int) -> None:
+        """One iteration among the company; comes to rest where nothing is gained."""
         state, inputs = self.state, self.inputs
-        proposal = propose(state.vertices, self.original, state.net, state.chosen, inputs)
         rising = inputs.stop == "quality"
-        step = state.step(proposal, others, self.progress[-1].lowest_quality if rising else LEAST_QUALITY)
-        flipped = state.flip(self.within, others) if inputs.retriangulate else 0
+        step = self._step(self.progress[-1].lowest_quality if rising else LEAST_QUALITY)
+        flipped = state.flip(self.within, self.company.others(self.name)) if inputs.retriangulate else 0
         now = measure_progress(
             iteration, state.vertices, self.original.vertices, state.net.faces, state.faces_asked,
-            closed=self.closed, moved=step.moved, shortened=step.shortened, held=step.held, flipped=flipped,
+            closed=self.company.is_closed(self.name),
+            moved=step.moved, shortened=step.shortened, held=step.held, flipped=flipped,
         )  # fmt: skip
         self.progress.append(now)
         self.delivered = iteration
@@ -70,13 +68,29 @@ class Journey:
         nothing_moves = step.moved == 0 and flipped == 0
         if nothing_moves or (rising and iteration - self.best >= PATIENCE):
             self.at_rest = True
-            self.arrive(others)
+            self.arrive()
 
-    def arrive(self, others: tuple[FaceTree, ...]) -> None:
+    def arrive(self) -> None:
         """Go back to the best state, if that is what is wanted and the other surfaces have left room for it."""
         if self.inputs.stop != "quality" or self.delivered == self.best:
             return
         then = FaceTree.of(self._best_vertices, self._best_faces)
-        if all(smallest_gap_between(then, other).distance_mm >= self.inputs.min_gap_mm for other in others):
+        others = self.company.others(self.name)
+        if all(smallest_gap_between(then, other).distance_mm >= self.inputs.min_gap_mm for other in others) and (
+            self.company.admits(self.name, self._best_vertices, self._best_faces)
+        ):
             self.state.place(self._best_vertices, self._best_faces)
             self.delivered = self.best
+
+    def _step(self, lowest_quality: float) -> Step:
+        """As far as it goes at once without a piece jumping through another."""
+        state = self.state
+        here = state.vertices
+        proposal = propose(here, self.original, state.net, state.chosen, self.inputs)
+        others, share = self.company.others(self.name), 1.0
+        while True:
+            step = state.step(here + share * (proposal - here), others, lowest_quality)
+            if self.company.admits(self.name, state.vertices, state.net.faces):
+                return step
+            state.place(here, state.net.faces)
+            share = share * JUMP_SHORTENING if share > SMALLEST_JUMP else 0.0

@@ -20,6 +20,7 @@ from core.run import SILENT, RunContext
 from core.schema.finding import Finding
 from core.schema.smooth import SmoothInputs
 from core.smoothing.account import describe, find_findings
+from core.smoothing.company import Company
 from core.smoothing.guarded_step import OWN_CLEARANCE_MM, GuardedSurface
 from core.smoothing.journey import Journey
 from core.smoothing.movable import is_free, is_in_regions, require_regions
@@ -57,7 +58,7 @@ def smooth(surfaces: Mapping[str, Mesh], inputs: SmoothInputs, run: RunContext =
     Needs:    manifold, oriented surfaces, open or closed, free of self-intersection and `min_gap_mm` apart.
     Promises: exactly free of self-intersection; same vertices, and same faces unless edges are flipped; vertices outside the
               regions, and on rims, keep their float32 coordinates; no face turns over in a step; with `stop` `quality` the lowest
-              quality does not fall; coordinates exact in float32; same input, same bytes.
+              quality does not fall; what lay in what still does; coordinates exact in float32; same input, same bytes.
     Raises:   InputError `surface.*`, `surfaces.too_close`, `region.outside_mesh`; InternalError `smooth.not_proven`.
     Source:   thesis 3.4; Vollmer et al. 1999; Taubin 1995; method in docs/algorithms/smoothing.md.
     """
@@ -67,28 +68,23 @@ def smooth(surfaces: Mapping[str, Mesh], inputs: SmoothInputs, run: RunContext =
     for count, (name, mesh) in enumerate(originals.items()):
         require_sound_surface(mesh, name)
         stage.advance((count + 1) / len(originals))
-    trees = {name: FaceTree.of(mesh.vertices, mesh.faces) for name, mesh in originals.items()}
+    company = Company(originals)
+    trees = {name: company.tree(name) for name in originals}
     _require_apart(trees, inputs.min_gap_mm)
 
     clearance = Clearance(inputs.min_gap_mm, min(OWN_CLEARANCE_MM, inputs.min_gap_mm), ())
-    journeys = {name: _set_out(mesh, trees[name], inputs, clearance) for name, mesh in originals.items()}
-    now = dict(trees)
+    journeys = {name: _set_out(name, mesh, company, inputs, clearance) for name, mesh in originals.items()}
     stage = run.stage("smooth: iterations", 0.1, 0.9)
     for count in range(inputs.iterations):
         going = [name for name, journey in journeys.items() if not journey.at_rest]
         if not going:
             break
         for name in going:
-            others = tuple(tree for other, tree in now.items() if other != name)
-            journeys[name].go(count + 1, others)
-            if len(now) > 1:
-                now[name] = journeys[name].tree()
+            journeys[name].go(count + 1)
         lowest = min(journey.progress[-1].lowest_quality for journey in journeys.values())
         stage.advance((count + 1) / inputs.iterations, f"iteration {count + 1}: lowest quality {lowest:.4g}")
-    for name, journey in journeys.items():
-        journey.arrive(tuple(tree for other, tree in now.items() if other != name))
-        if len(now) > 1:
-            now[name] = journey.tree()
+    for journey in journeys.values():
+        journey.arrive()
 
     run.stage("smooth: proof", 0.9, 1.0)
     meshes = {name: Mesh.of(journey.state.vertices, journey.state.net.faces) for name, journey in journeys.items()}
@@ -96,10 +92,10 @@ def smooth(surfaces: Mapping[str, Mesh], inputs: SmoothInputs, run: RunContext =
     return {name: _smoothed(name, mesh, originals[name], trees[name], journeys[name], inputs) for name, mesh in meshes.items()}
 
 
-def _set_out(mesh: Mesh, tree: FaceTree, inputs: SmoothInputs, clearance: Clearance) -> Journey:
+def _set_out(name: str, mesh: Mesh, company: Company, inputs: SmoothInputs, clearance: Clearance) -> Journey:
     within = is_in_regions(mesh, inputs.regions)
     chosen = np.flatnonzero(within & is_free(mesh))
-    return Journey.of(mesh, tree, GuardedSurface.of(mesh, chosen, clearance), within, inputs)
+    return Journey.of(name, mesh, company, GuardedSurface.of(mesh, chosen, clearance), within, inputs)
 
 
 def _require_apart(trees: Mapping[str, FaceTree], min_gap_mm: float) -> None:
