@@ -1,0 +1,116 @@
+"""Self-intersections: local folds are smoothed out, parts that overlap are united."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import InputError
+from core.geometry.adjacency import edges
+from core.geometry.components import face_components
+from core.geometry.distance import closest_points_in
+from core.geometry.exact_intersection import find_intersecting_faces
+from core.geometry.face_tree import FaceTree
+from core.healing.change import Change, Staged
+from core.healing.intersections.arrangement import Arrangement
+from core.healing.intersections.clusters import Cluster, find_clusters
+from core.healing.intersections.seam import tidy_seam
+from core.healing.intersections.unfold import unfold
+from core.healing.intersections.unite import unite
+from core.mesh import Faces, Vertices
+from core.run import SILENT, RunContext
+from core.schema.finding import MAX_PLACES, Finding, Place, Severity
+from core.validation.places import point_of
+
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+ROUNDS = 8  # smoothing here may press there; rounding after a union may cross again
+
+
+def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Staged:
+    """Free a surface of self-intersection.
+
+    Needs:    closed, manifold, oriented faces without any of zero area; coordinates as float32 holds them.
+    Promises: no two faces meet but in shared corners and edges, exactly; vertices away from intersections keep their places;
+              same input, same result. A surface that is free already comes back as it is.
+    Raises:   InputError `heal.intersections_remain` with places."""
+    changes: list[Change] = []
+    for number in range(ROUNDS):
+        step = run.stage("heal: intersections", number / ROUNDS, (number + 1) / ROUNDS)
+        pairs = find_intersecting_faces(vertices, faces)
+        step.advance(0.2, f"{len(pairs)} intersecting pairs of faces")
+        if len(pairs) == 0:
+            return vertices, faces, changes
+        arrangement = Arrangement.of(vertices, faces)
+        clusters = find_clusters(faces, len(vertices), pairs)
+        inverted = np.zeros(len(faces), dtype=np.bool_)
+        inverted[arrangement.birth[arrangement.outside < 0]] = True
+        _, piece = face_components(edges(faces))
+        folds = [cluster for cluster in clusters if _is_fold(cluster, piece, inverted)]
+        unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs)
+        if change is not None:
+            vertices = unfolded
+            changes.append(change)
+        else:
+            vertices, faces, change = _unite(vertices, faces, arrangement)
+            changes.append(change)
+    pairs = find_intersecting_faces(vertices, faces)
+    if len(pairs):
+        raise _refusal(vertices, faces, pairs)
+    return vertices, faces, changes
+
+
+def _is_fold(cluster: Cluster, piece: Ints, inverted: Flags) -> bool:
+    """One part of one piece that runs through itself, or parts that were pushed through each other from inside."""
+    if len(np.unique(piece[cluster.faces])) > 1:
+        return False
+    return cluster.patches == 1 or bool(inverted[cluster.faces].any())
+
+
+def _unfold_all(
+    vertices: Vertices, faces: Faces, folds: list[Cluster], inverted: Flags, pairs: Ints
+) -> tuple[Vertices, Change | None]:
+    """Smooth out what can be; no change if nothing can. Faces around vertices that were out of place count as replaced."""
+    before, points, distances, replaced = vertices, [], [], np.zeros(len(faces), dtype=np.bool_)
+    for cluster in folds:
+        mended = unfold(vertices, faces, cluster.faces, inverted, pairs)
+        if mended is None:
+            continue
+        rows = np.flatnonzero((mended[0] != vertices).any(axis=1))
+        away = np.linalg.norm(mended[0][rows] - vertices[rows], axis=1)
+        points.append(before[rows[away.argmax()]])
+        distances.append(away.max())
+        vertices = mended[0]
+        replaced |= np.isin(faces, mended[1]).any(axis=1)
+    if not points:
+        return before, None
+    message = f"{len(points)} folds were smoothed out, moving vertices by {max(distances):.3g} mm at most"
+    taken, added = before[faces[replaced]], vertices[faces[replaced]]
+    return vertices, Change("folds", message, np.array(points), np.array(distances), taken, added)
+
+
+def _unite(vertices: Vertices, faces: Faces, arrangement: Arrangement) -> tuple[Vertices, Faces, Change]:
+    """The union of all parts; its seams are where new faces are."""
+    points, joined, is_new = unite(vertices, faces, arrangement)
+    points, joined = tidy_seam(points, joined, is_new)
+    gone = np.setdiff1d(faces, joined)
+    places = points[len(vertices) :]
+    distance = closest_points_in(FaceTree.of(vertices, faces), places)[0]
+    message = f"parts that overlap were united; {len(gone)} vertices inside are gone, {len(places)} are new along the seams"
+    return points, joined, Change("overlaps", message, places, distance)
+
+
+def _refusal(vertices: Vertices, faces: Faces, pairs: Ints) -> InputError:
+    clusters = find_clusters(faces, len(vertices), pairs)
+    message = f"{len(pairs)} pairs of faces in {len(clusters)} place(s) intersect still, after {ROUNDS} rounds of mending"
+    places = tuple(
+        Place(
+            mesh="surface",
+            point_mm=point_of(vertices[faces[cluster.faces]].mean(axis=(0, 1))),
+            faces=tuple(cluster.faces[:MAX_PLACES].tolist()),
+        )
+        for cluster in clusters[:MAX_PLACES]
+    )
+    finding = Finding(code="heal.intersections_remain", severity=Severity.ERROR, message=message, count=len(pairs), places=places)
+    return InputError("heal.intersections_remain", message, findings=(finding,), count=len(pairs), places=len(clusters))
