@@ -136,7 +136,7 @@ KINDS = (
     Kind(
         "crumpled patch",
         "folds",
-        lambda m, g, on: folds.crumpled(m, _at(m, on.bald), 0.9 * on.reach_mm, g),
+        lambda m, g, on: folds.crumpled(m, _at(m, on.flap), 12.0, g),
         lambda edge: 2.0 * edge,
     ),
     Kind(
