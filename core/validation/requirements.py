@@ -58,6 +58,24 @@ def require_sound_surface(mesh: Mesh, name: str) -> None:
     )
 
 
+def require_closed_surface(mesh: Mesh, name: str) -> None:
+    """Ask for closed, manifold, consistently oriented surfaces, one or several, that do not run through themselves.
+
+    Raises: InputError with the findings of all checks that failed and the code of the first of them, in this order:
+    `surface.degenerate`, `surface.not_manifold`, `surface.not_closed`, `surface.not_oriented`, `surface.self_touching`,
+    `surface.self_intersecting`.
+    """
+    _require(
+        Surface(name, mesh),
+        ("surface.degenerate", (check_degenerate_faces,)),
+        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+        ("surface.not_closed", (check_closed,)),
+        ("surface.not_oriented", (check_orientation,)),
+        ("surface.self_touching", (check_coincident_vertices,)),
+        ("surface.self_intersecting", (check_self_intersection,)),
+    )
+
+
 def _require(surface: Surface, *wanted: tuple[str, tuple[Check, ...]]) -> None:
     """Run checks, all of them; the code of the first that fails is raised."""
     failed: list[tuple[str, Finding]] = []
