@@ -12,10 +12,10 @@ from core.geometry.connectivity import Connectivity
 from core.geometry.distance import smallest_gap_between
 from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.face_tree import FaceTree
-from core.geometry.normals import face_crosses
 from core.geometry.quality import quality
 from core.mesh import Faces, Mesh, Vertices
 from core.smoothing.delaunay import find_flips
+from core.smoothing.spoiled_faces import find_spoiled
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -86,7 +86,7 @@ class GuardedSurface:
         count = 0
         while True:
             found = self.surface.find_crowded(places, asked, clearance)
-            spoiled = asked[_is_turned(here, places, faces[asked]) | (quality(places, faces[asked]) < least[asked])]
+            spoiled = find_spoiled(here, places, faces, asked, least)
             new = found[~self.crowded[found]]
             broken = np.union1d(new, spoiled)
             suspects[found[self.crowded[found]]] = True
@@ -94,10 +94,10 @@ class GuardedSurface:
                 broken = self._find_broken(places, np.flatnonzero(suspects), clearance)
                 if len(broken) == 0:
                     break
+            elif not (share[faces[new]] > 0.0).any(axis=1).all():
+                # what came too near a face that stays is one that was crowded before, and is let pass as such
+                broken = np.union1d(broken, found)
             back = self.net.corners_of(broken) & (share > 0.0)
-            if not back.any():
-                # what came too near is a partner that was crowded before, and is let pass as such
-                back = self.net.corners_of(np.union1d(found, np.flatnonzero(suspects))) & (share > 0.0)
             if not back.any():
                 break  # all of it lies where it was: at a gap that is just kept, two ways of measuring may differ by a bit
             share[back] = _shortened(share[back], final=count >= PASSES)
@@ -172,9 +172,3 @@ def _shortened(share: Floats, *, final: bool) -> Floats:
 def _rounded(places: Vertices) -> Vertices:
     """As files hold them."""
     return places.astype(np.float32).astype(np.float64)
-
-
-def _is_turned(before: Vertices, after: Vertices, faces: Faces) -> Flags:
-    """Faces (F,) whose normal points against the one before."""
-    turned: Flags = np.einsum("ij,ij->i", face_crosses(before, faces), face_crosses(after, faces)) <= 0
-    return turned
