@@ -25,10 +25,14 @@ from core.run import RunContext
 from core.schema.finding import Finding, Severity
 from core.schema.report import Report, ThicknessReport
 from core.schema.shells import ShellsInputs
+from core.shells.moved_places import describe_move
 from core.shells.nested_shells import Shell, create_shells
 from core.shells.thickness import measure_thickness
 from core.shells.thin_places import check_depth
+from core.shells.widen_skin import WidenedSkin, widen_skin
 from core.validation.validate import Validation, validate
+
+SHIFT_SHARE = 0.03  # of the progress bar
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,15 +58,17 @@ class LayerJob:
 def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     """Layers, proof on the files, report and package.
 
-    Raises: InputError `layer.*`, `region.*`, `skin.too_thin`, `shells.no_room`; InternalError `shells.not_proven` with a report.
+    Raises: InputError `layer.*`, `region.*`, `skin.too_thin`, `shells.no_room`; InternalError `skin.shift_not_proven`,
+    `shells.not_proven` with a report.
     """
     inputs = job.inputs
-    shells = create_shells(job.skin, inputs, run.stage("shells", 0.0, 0.57), job.arrays)
+    widened = widen_skin(job.skin, inputs, job.arrays, run.stage("skin", 0.0, SHIFT_SHARE))
+    shells = create_shells(widened.mesh, inputs, run.stage("shells", SHIFT_SHARE, 0.57), job.arrays)
     run.stage("write and read back", 0.57, 0.6)
-    surfaces = _outermost_first(job.skin, shells)
+    surfaces = _outermost_first(widened.mesh, shells)
     delivered = _deliver(surfaces, out_dir)
     validation = validate(delivered, min_gap_mm=inputs.min_gap_mm, run=run.stage("prove", 0.6, 0.77))
-    report = _report(job, shells, validation)
+    report = _report(job, widened, shells, validation)
     _require_proven(report, list(surfaces))
 
     run.stage("figures", 0.77, 0.94)
@@ -100,12 +106,12 @@ def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
     return delivered
 
 
-def _report(job: LayerJob, shells: tuple[Shell, ...], validation: Validation) -> Report:
+def _report(job: LayerJob, widened: WidenedSkin, shells: tuple[Shell, ...], validation: Validation) -> Report:
     thickness = {
         shell.name: measure_thickness(shell, layer.depth_mm, layer.depth_array)
         for shell, layer in zip(shells, job.inputs.layers, strict=True)
     }
-    own = job.describe(shells)
+    changes, moved = describe_move(widened, job.inputs.skin_shift_mm)
     return Report(
         process=job.process,
         verdict=validation.verdict,
@@ -114,8 +120,13 @@ def _report(job: LayerJob, shells: tuple[Shell, ...], validation: Validation) ->
         pairs=validation.pairs,
         thickness=thickness,
         nesting=validation.nesting,
-        findings=(*own, *validation.findings, *(finding for shell in shells for finding in check_depth(shell))),
-        changes=job.changes,
+        findings=(
+            *job.describe(shells),
+            *moved,
+            *validation.findings,
+            *(finding for shell in shells for finding in check_depth(shell)),
+        ),
+        changes=(*job.changes, *changes),
         methods=job.methods,
         references=job.references,
         parameters=dict(job.parameters),

@@ -17,6 +17,10 @@ OUTSIDE = (
     "The layers outside the skin were made in the same way with the faces of the skin turned over, so that the room around the "
     "body took the place of the body. "
 )
+MOVED = (
+    "Where the inner medial ball [4] is too small for the deepest layer, the skin was first moved outwards by up to "
+    "{bound:g} mm, as [3] (5.2.3) did by hand; elsewhere its vertices were left as they are. "
+)
 METHODS = (
     "Every layer was made from the skin by nodal movement along the inward direction that shifts all adjacent faces equally, "
     "the generalised form of Eq. (4.1) of [3]. The depth follows the request and fades smoothly where the inner medial ball [4] "
@@ -36,7 +40,8 @@ REFERENCES = (
 def methods_text(inputs: ShellsInputs) -> str:
     """What was done for these inputs, to cite."""
     outside = any(layer.side == "outside" for layer in inputs.layers)
-    return (OUTSIDE if outside else "") + METHODS.format(gap=inputs.min_gap_mm)
+    moved = MOVED.format(bound=inputs.skin_shift_mm) if inputs.skin_shift_mm else ""
+    return moved + (OUTSIDE if outside else "") + METHODS.format(gap=inputs.min_gap_mm)
 
 
 def run_shells(inputs: ShellsInputs, meshes: Mapping[str, Mapping[str, Any]], run: RunContext, out_dir: Path) -> Outcome:

@@ -8,6 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from core.geometry.adjacency import edges
+from core.mesh import Mesh
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.shells.nested_shells import Shell
 from core.shells.thickness import is_limited, is_on_target, vertex_areas
@@ -16,9 +17,10 @@ from core.shells.thickness import is_limited, is_on_target, vertex_areas
 def check_depth(shell: Shell) -> list[Finding]:
     """Findings `shells.depth_limited` (anatomy allows no more) and `shells.depth_missed` (it would), with every patch."""
     limited = is_limited(shell)
+    room = "the body is" if shell.side == "inside" else "the room around the body is"
     missed = ~is_on_target(shell) & ~limited
     return [
-        *_finding(shell, limited, "shells.depth_limited", Severity.INFO, "the body is too thin for its depth"),
+        *_finding(shell, limited, "shells.depth_limited", Severity.INFO, f"{room} too thin for its depth"),
         *_finding(shell, missed, "shells.depth_missed", Severity.WARNING, "its depth was not reached although there is room"),
     ]
 
@@ -27,7 +29,7 @@ def _finding(shell: Shell, chosen: NDArray[np.bool_], code: str, severity: Sever
     if not chosen.any():
         return []
     areas = vertex_areas(shell.mesh)
-    patches = _patches(shell, chosen, areas)
+    patches = find_patches(shell.mesh, chosen, areas)
     share = 100 * float(areas[chosen].sum() / areas.sum())
     depths = shell.depth_mm[chosen]
     return [
@@ -42,9 +44,9 @@ def _finding(shell: Shell, chosen: NDArray[np.bool_], code: str, severity: Sever
     ]
 
 
-def _patches(shell: Shell, chosen: NDArray[np.bool_], areas: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+def find_patches(mesh: Mesh, chosen: NDArray[np.bool_], areas: NDArray[np.float64]) -> list[NDArray[np.int64]]:
     """Chosen vertices grouped by the edges between them, by falling area and then number."""
-    ends = edges(shell.mesh.faces).ends
+    ends = edges(mesh.faces).ends
     inner = ends[chosen[ends].all(axis=1)]
     count = len(chosen)
     graph = coo_array((np.ones(len(inner), dtype=np.int8), (inner[:, 0], inner[:, 1])), shape=(count, count))
