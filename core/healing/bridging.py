@@ -13,7 +13,8 @@ from core.mesh import Faces, Vertices
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROUNDS = 1000  # pairs of rims looked at; each joins two pieces
+LARGEST_SHARE = 0.9  # of the caps over both rims: a band with more area does not join them
+MOST_PAIRS = 100_000  # of rims looked at, the best first
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -63,6 +64,13 @@ def join_rims(vertices: Vertices, faces: Faces, loops: list[Ints], piece: Ints) 
     return Gaps([rim for rim in rims if rim is not None], np.flatnonzero(flips))
 
 
+def find_partners(vertices: Vertices, loops: list[Ints], owner: Ints) -> Ints:
+    """Pieces (K, 2) whose rims belong together; owner: (loops,) the piece of each rim."""
+    if len(np.unique(owner)) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    return np.array([(owner[i], owner[j]) for _share, i, j in _candidates(vertices, loops, owner)], dtype=np.int64).reshape(-1, 2)
+
+
 def owner_of(rim: Ints, piece_of_vertex: Ints) -> int:
     """The piece a rim lies on."""
     return int(piece_of_vertex[rim[0]])
@@ -99,9 +107,9 @@ def _candidates(vertices: Vertices, loops: list[Ints], owner: Ints) -> list[tupl
         for j in near[near > i].tolist():
             way = (trees[j].query(points[number == i])[0].mean() + trees[i].query(points[number == j])[0].mean()) / 2
             share = way * (length[i] + length[j]) / 2 / max(cap[i] + cap[j], 1e-300)
-            if share < 1.0:
+            if share < LARGEST_SHARE:
                 found.append((float(share), i, j))
-    return sorted(found)[:ROUNDS]
+    return sorted(found)[:MOST_PAIRS]
 
 
 def _cap_area(points: Floats) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from core.geometry.adjacency import Edges, edges
 from core.geometry.components import label_connected
+from core.geometry.volume import signed_volumes
 from core.healing.change import Change, Staged
 from core.healing.fan_splitting import split_fans
 from core.mesh import Faces, Vertices
@@ -14,19 +15,23 @@ from core.mesh import Faces, Vertices
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ROUNDS = 8  # a face is bent at one of its edges at a time
 PULL = 0.02  # of the way to the faces' tips: how far the middle of an edge is drawn off it
 
 
 def part_edges(vertices: Vertices, faces: Faces) -> Staged:
     """Part the surface at edges with more than two faces, two by two. An odd face out gets a border."""
-    found = edges(faces)
-    if not (found.face_count > 2).any():
-        return vertices, faces, []
-    ends = np.unique(found.ends[found.face_count > 2])
-    what = "vertices of edges with more than two faces were parted"
-    vertices, faces, split = split_fans(vertices, faces, _paired_fans(vertices, faces, found), "shared_edges", what, ends)
-    vertices, faces, bent = _bend_edges(vertices, faces)
-    return vertices, faces, split + bent
+    changes: list[Change] = []
+    for _ in range(ROUNDS):
+        found = edges(faces)
+        if not (found.face_count > 2).any():
+            break
+        ends = np.unique(found.ends[found.face_count > 2])
+        what = "vertices of edges with more than two faces were parted"
+        vertices, faces, split = split_fans(vertices, faces, _paired_fans(vertices, faces, found), "shared_edges", what, ends)
+        vertices, faces, bent = _bend_edges(vertices, faces)
+        changes += split + bent
+    return vertices, faces, changes
 
 
 def _paired_fans(vertices: Vertices, faces: Faces, found: Edges) -> Ints:
@@ -47,18 +52,28 @@ def _paired_fans(vertices: Vertices, faces: Faces, found: Edges) -> Ints:
 
 
 def _pairs_at_crowded_edges(vertices: Vertices, faces: Faces, found: Edges) -> Ints:
-    """Sides (3 face + side) that belong together, (K, 2)."""
+    """Sides (3 face + side) that belong together, (K, 2), by edge: of one sheet if just two of it meet there, else by angle."""
     crowded = found.face_count > 2
+    _edge, both, _side = found.two_faces()
+    _count, sheet = label_connected(len(faces), both[:, 0], both[:, 1])
+    inverted = signed_volumes(vertices, faces, np.zeros(len(faces), dtype=np.int64))[0] < 0.0
     row, side = np.nonzero(crowded[found.of_face])
     edge = found.of_face[row, side]
     order = np.argsort(edge, kind="stable")
     pairs: list[tuple[int, int]] = []
     for members in np.split(order, np.flatnonzero(np.diff(edge[order])) + 1):
+        numbers, times = np.unique(sheet[row[members]], return_counts=True)
+        for number in numbers[times == 2]:
+            i, j = members[sheet[row[members]] == number]
+            pairs.append((int(3 * row[i] + side[i]), int(3 * row[j] + side[j])))
+        members = members[np.isin(sheet[row[members]], numbers[times != 2])]
+        if len(members) < 2:
+            continue
         halves = 3 * row[members] + side[members]
         tips = vertices[faces[row[members], (side[members] + 2) % 3]]
         low, high = vertices[found.ends[edge[members[0]]]]
         angle = _angles_around(low, high, tips)
-        forward = found.forward[row[members], side[members]]
+        forward = found.forward[row[members], side[members]] != inverted
         pairs += [(int(halves[i]), int(halves[j])) for i, j in pair_faces(angle, forward)]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
@@ -105,7 +120,10 @@ def _bend_edges(vertices: Vertices, faces: Faces) -> Staged:
     halves = _pairs_at_crowded_edges(vertices, faces, found)
     edge = found.of_face.ravel()[halves[:, 0]]
     later = np.append(False, edge[1:] == edge[:-1])
-    faces, points, places, parts = faces.copy(), [], [], []
+    faces = faces.copy()
+    points: list[Floats] = []
+    places: list[Floats] = []
+    parts: list[tuple[int, int, int]] = []
     busy: set[int] = set()
     for pair in halves[later].tolist():
         rows = [half // 3 for half in pair]

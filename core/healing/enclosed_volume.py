@@ -18,7 +18,9 @@ def piece_volumes(vertices: Vertices, faces: Faces) -> NDArray[np.float64]:
     Needs edges with at most two faces and consistent orientation.
     """
     piece = face_components(edges(faces))[1]
-    cones, tips, owner = [], [], []
+    cones: list[NDArray[np.int64]] = []
+    tips: list[NDArray[np.float64]] = []
+    owner: list[NDArray[np.int64]] = []
     of_vertex = np.zeros(len(vertices), dtype=np.int64)
     of_vertex[faces] = piece[:, None]
     for loop in find_loops(faces):

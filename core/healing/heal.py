@@ -20,7 +20,7 @@ from core.healing.holes import fill_holes
 from core.healing.intersections.resolve import resolve
 from core.healing.limits import find_former, measure_extent, require_within
 from core.healing.nonmanifold_edges import mend_nonmanifold_edges
-from core.healing.orientation import agree, face_outward
+from core.healing.orientation import agree, agree_within_sheets, face_outward
 from core.healing.pieces import drop_pieces, drop_scraps, find_unwanted, require_faces
 from core.healing.pinched_vertices import part_pinched_vertices
 from core.healing.t_junctions import split_sides_at_vertices
@@ -109,6 +109,7 @@ class _Draft:
     def _close(self, inputs: HealInputs, measure_volume: bool) -> None:
         """Everything that makes a closed oriented manifold."""
         self._join(inputs.weld_tolerance_mm)
+        self._apply(agree_within_sheets)
         self._apply(mend_nonmanifold_edges)
         self._join(inputs.weld_tolerance_mm)
         self._apply(agree)

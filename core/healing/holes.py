@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 REFINED, STRETCHED, BARE = range(3)  # ways to fill a hole, from the best to the safest
-FAIRINGS = 2  # a bulge is larger than the membrane it grew from, so faces are refined again
+FAIRINGS = 3  # a bulge is larger than the membrane it grew from, so faces are refined again
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -136,7 +136,7 @@ def _shape(vertices: Vertices, faces: Faces, bare: _Patches) -> tuple[_Patches, 
     points = vertices[used]
     old = len(points)
     outside = edges(ring)
-    size, taken = _sizes(points, outside), outside.ends
+    size, taken = _sizes(points, edges(patches)), outside.ends
     for _ in range(FAIRINGS):
         points, patches, patch, size = refine(points, patches, patch, size, taken)
         free = np.arange(len(points)) >= old
@@ -157,10 +157,11 @@ def _rounded(points: Floats) -> Floats:
 
 
 def _sizes(points: Floats, found: Edges) -> Floats:
-    """Mean length of the edges at each point, (P,) mm."""
-    lengths = np.linalg.norm(points[found.ends[:, 0]] - points[found.ends[:, 1]], axis=1)
-    count = np.bincount(found.ends.ravel(), minlength=len(points))
-    sizes: Floats = np.bincount(found.ends.ravel(), np.repeat(lengths, 2), minlength=len(points)) / np.maximum(count, 1)
+    """Mean length of the rim's edges at each point, (P,) mm; 0 at other points."""
+    ends = found.ends[found.face_count == 1]
+    lengths = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+    count = np.bincount(ends.ravel(), minlength=len(points))
+    sizes: Floats = np.bincount(ends.ravel(), np.repeat(lengths, 2), minlength=len(points)) / np.maximum(count, 1)
     return sizes
 
 

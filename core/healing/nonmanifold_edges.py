@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from core.geometry.adjacency import Edges, edges
 from core.geometry.components import label_connected
 from core.geometry.normals import face_areas
-from core.geometry.orientation import find_faces_to_flip
 from core.healing.change import Change, Staged
 from core.healing.edge_pairing import part_edges
 from core.healing.winding import winding_number
@@ -21,6 +20,8 @@ Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
 FIN_SHARE = 0.5  # of the area of all that hangs together: a sheet with a free border and less is a fin
+INSIDE_SCORE = 0.3  # what the body on both sides adds to the share of edges at which a sheet is the odd one out
+WALL_SCORE = 0.5  # a sheet above it is an inner wall beyond doubt
 WALLS_TRIED = 64  # sheets for which the winding number of the rest is computed; of more, the smallest area decides
 ROUNDS = 64
 
@@ -30,6 +31,7 @@ def mend_nonmanifold_edges(vertices: Vertices, faces: Faces) -> Staged:
 
     Edges with more cut the surface into sheets. A small sheet with a border of its own is a fin, one with the body on
     both sides an inner wall: they go if that leaves no new border. What then still shares an edge is parted there.
+    Neighbours within a sheet should look alike.
     """
     changes: list[Change] = []
     faces, taken = _without(vertices, faces, _find_fins)
@@ -49,6 +51,7 @@ class Sheets:
         crowded = found.face_count > 2
         row, side = np.nonzero(crowded[found.of_face])
         numbers, self.edge = np.unique(found.of_face[row, side], return_inverse=True)
+        self.row, self.side = row, side
         self.sheet = self.of_face[row]  # of each face at a crowded edge
         self.face_count = found.face_count[numbers]
         self.area = np.bincount(self.of_face, weights=face_areas(vertices, faces), minlength=self.count)
@@ -62,6 +65,25 @@ class Sheets:
         """Sheets with several faces at one crowded edge."""
         keys, times = np.unique(self.sheet * len(self.face_count) + self.edge, return_counts=True)
         return np.unique(keys[times > 1] // len(self.face_count))
+
+    def odd_shares(self, vertices: Vertices, faces: Faces) -> Floats:
+        """Share of each sheet's crowded edges, by length, at which the other two faces are the flattest pair of the three."""
+        row, side, edge = self.row, self.side, self.edge
+        three = np.flatnonzero(self.face_count[edge] == 3)
+        three = three[np.argsort(edge[three], kind="stable")].reshape(-1, 3)
+        start, end, tip = (vertices[faces[row[three], (side[three] + turn) % 3]] for turn in range(3))
+        along = end[:, 0] - start[:, 0]
+        length = np.linalg.norm(along, axis=1)
+        arms = tip - start[:, :1]
+        arms -= np.einsum("nij,nj->ni", arms, along / length[:, None])[..., None] * (along / length[:, None])[:, None]
+        arms /= np.maximum(np.linalg.norm(arms, axis=2), 1e-300)[..., None]
+        # a flat pair has its arms on opposite sides of the edge
+        facing = np.stack([np.einsum("nj,nj->n", arms[:, (i + 1) % 3], arms[:, (i + 2) % 3]) for i in range(3)], axis=1)
+        odd = np.argmin(facing, axis=1)
+        votes = np.bincount(self.sheet[three[np.arange(len(three)), odd]], weights=length, minlength=self.count)
+        total = np.bincount(self.sheet[three].ravel(), weights=np.repeat(length, 3), minlength=self.count)
+        shares: Floats = votes / np.maximum(total, 1e-300)
+        return shares
 
     def choose(self, order: Ints, leaves: tuple[int, ...] | None) -> Ints:
         """As many of the sheets, in this order, as may go at once: with none of their crowded edges is done twice.
@@ -93,7 +115,7 @@ def _find_fins(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
 
 
 def _find_walls(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
-    """Sheets after whose removal all edges have two faces: those with the body on both sides first, then the smallest."""
+    """Sheets after whose removal all edges have two faces, first those that stand out from the rest, and with the body around."""
     candidates = np.unique(sheets.sheet)
     candidates = candidates[np.argsort(sheets.area[candidates], kind="stable")]
     # a sheet that has both its sides at an edge is closed there: a body, which only shares the edge
@@ -103,20 +125,17 @@ def _find_walls(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
     if len(fitting) == 0:
         return fitting
     inside = np.array([_is_inside(vertices, faces, sheets, int(sheet)) for sheet in fitting[:WALLS_TRIED]])
-    inner = fitting[:WALLS_TRIED][inside]
-    # one that may not be inner is taken alone, since the others are judged anew without it
-    return sheets.choose(inner, (2,)) if len(inner) else sheets.choose(fitting[:1], (2,))
+    fitting = fitting[:WALLS_TRIED]
+    score = sheets.odd_shares(vertices, faces)[fitting] + INSIDE_SCORE * inside
+    order = fitting[np.argsort(-score, kind="stable")]
+    # where nothing tells, one goes and the others are judged anew without it
+    return sheets.choose(order[: max(1, int((score > WALL_SCORE).sum()))], (2,))
 
 
 def _is_inside(vertices: Vertices, faces: Faces, sheets: Sheets, sheet: int) -> bool:
     """True if the rest of what hangs together winds around the sheet."""
     own = sheets.of_face == sheet
     rest = faces[(sheets.group[sheets.of_face] == sheets.group[sheet]) & ~own]
-    turned = find_faces_to_flip(edges(rest))
-    if turned is None:
-        return False
-    rest = rest.copy()
-    rest[turned] = rest[turned][:, [0, 2, 1]]
     largest = np.flatnonzero(own)[np.argmax(face_areas(vertices, faces[own]))]
     return abs(winding_number(vertices, rest, vertices[faces[largest]].mean(axis=0))) > 0.5
 

@@ -34,6 +34,14 @@ def agree(vertices: Vertices, faces: Faces) -> Staged:
     return _flipped(vertices, faces, turned, "turned_faces", "faces that disagreed with their neighbours were turned over")
 
 
+def agree_within_sheets(vertices: Vertices, faces: Faces) -> Staged:
+    """The same where edges have more than two faces: those are no neighbours, and a one-sided sheet is left as it is."""
+    turned = find_faces_to_flip(edges(faces))
+    if turned is None:
+        return vertices, faces, []
+    return _flipped(vertices, faces, turned, "turned_faces", "faces that disagreed with their neighbours were turned over")
+
+
 def face_outward(vertices: Vertices, faces: Faces) -> Staged:
     """Turn over closed pieces that look inward, and cavities that do not look into their hollow.
 

@@ -9,7 +9,8 @@ from core.errors import InputError
 from core.geometry.adjacency import Edges, edges
 from core.geometry.components import face_components
 from core.geometry.normals import face_areas
-from core.healing.borders import border_sides
+from core.healing.borders import border_sides, find_loops
+from core.healing.bridging import find_partners
 from core.healing.change import Change, Staged
 from core.mesh import Faces, Vertices
 from core.schema.heal import PiecesPolicy
@@ -37,7 +38,18 @@ def drop_scraps(vertices: Vertices, faces: Faces, policy: PiecesPolicy) -> Stage
     small = (area < SCRAP_SHARE * area.max()) & (policy != "keep_all")
     unwanted = is_open & (small | (_roundness(vertices, faces, found, piece, area) < FLATTEST))
     unwanted[np.argmax(area)] = False
+    if unwanted.any():
+        unwanted[_islets(vertices, faces, piece, unwanted)] = False
     return take_away(vertices, faces, unwanted[piece], piece, "scraps", "open pieces that enclose nothing were taken away")
+
+
+def _islets(vertices: Vertices, faces: Faces, piece: Ints, unwanted: Flags) -> Ints:
+    """Pieces whose rims belong to a gap of a piece that stays."""
+    piece_of_vertex = np.zeros(len(vertices), dtype=np.int64)
+    piece_of_vertex[faces] = piece[:, None]
+    loops = find_loops(faces)
+    partners = find_partners(vertices, loops, np.array([piece_of_vertex[loop[0]] for loop in loops]))
+    return np.unique(partners[(~unwanted[partners]).any(axis=1)])
 
 
 def drop_pieces(vertices: Vertices, faces: Faces, policy: PiecesPolicy, min_share: float) -> Staged:
