@@ -148,7 +148,6 @@ def test_nobody_there_is_3(skin: str, capsys: pytest.CaptureFixture[str], monkey
         ["shells"],
         ["shells", "/nowhere.stl"],
         ["shells", "SKIN", "--layer", "fat"],
-        ["shells", "SKIN", "--layer", "fat=thick"],
         ["shells", "SKIN", "--layer", "fat=1", "--layer", "fat=2"],
         ["shells", "SKIN", "--layer", "fat=nan"],
         ["shells", "SKIN", "--region", "ear:0,0:1,1,1:fat=1"],

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
 from integument.cli.app import options_of
-from integument.cli.execute import OuterLayerOption, ReportOption, SkinShiftOption, UnitOption
 from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import BOX_FORM, read_box, read_depths, read_layers
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
+from integument.cli.options import (
+    LayerOption,
+    MinGapOption,
+    OuterLayerOption,
+    PackageOption,
+    ReportOption,
+    SkinArgument,
+    SkinShiftOption,
+    ThinPolicyOption,
+    UnitOption,
+)
 from integument.cli.session import connect
 from integument.errors import ArgumentError
 
@@ -26,7 +35,7 @@ def register(app: typer.Typer) -> None:
 
 def ears(
     ctx: typer.Context,
-    skin: Annotated[str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")],
+    skin: SkinArgument,
     unit: UnitOption = "mm",
     boxes: Annotated[
         list[str] | None,
@@ -38,21 +47,17 @@ def ears(
     generate_canals: Annotated[
         bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
     ] = False,
-    layer: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=DEPTH", help="Layer and its depth in mm. Default fat=1 average_body=3.")
-    ] = None,
+    layer: LayerOption = None,
     outer_layer: OuterLayerOption = None,
     ear_depth: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
     ] = None,
     blend: Annotated[float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")] = None,
-    thin_policy: Annotated[
-        Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
-    ] = "adapt",
-    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    thin_policy: ThinPolicyOption = "adapt",
+    min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
+    output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
     """Build nested shells that are thinner in the ears, and cut ear canals."""

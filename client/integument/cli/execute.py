@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any
 
 import typer
 
@@ -14,22 +14,19 @@ from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import REGION_FORM, read_layers, read_region
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
+from integument.cli.options import (
+    LayerOption,
+    MinGapOption,
+    OuterLayerOption,
+    PackageOption,
+    ReportOption,
+    SkinArgument,
+    SkinShiftOption,
+    ThinPolicyOption,
+    UnitOption,
+)
 from integument.cli.session import connect
-from integument.client import Unit
 from integument.errors import ArgumentError
-
-UnitOption: TypeAlias = Annotated[Unit, typer.Option(help="Unit of the coordinates in the files.")]
-OuterLayerOption: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(metavar="NAME=DEPTH", help="Layer around the skin and its distance to it in mm; repeat, from outside inwards."),
-]
-SkinShiftOption: TypeAlias = Annotated[
-    float | None,
-    typer.Option(metavar="MM", help="Furthest the skin may move outwards where the body is too thin; default 0, at most 5."),
-]
-ReportOption: TypeAlias = Annotated[
-    Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
-]
 
 
 def register(app: typer.Typer) -> None:
@@ -41,26 +38,17 @@ def register(app: typer.Typer) -> None:
 
 def shells(
     ctx: typer.Context,
-    skin: Annotated[str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")],
+    skin: SkinArgument,
     unit: UnitOption = "mm",
-    layer: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=DEPTH",
-            help="Layer and its depth in mm, or the name of an array of the upload with the depth at each vertex; repeat, from "
-            "outside inwards. Default fat=1 average_body=3.",
-        ),
-    ] = None,
+    layer: LayerOption = None,
     outer_layer: OuterLayerOption = None,
     region: Annotated[
         list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
     ] = None,
-    thin_policy: Annotated[
-        Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
-    ] = "adapt",
-    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two shells.")] = None,
+    thin_policy: ThinPolicyOption = "adapt",
+    min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")] = None,
+    output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
     """Build nested shells inside a skin, proven free of intersections."""

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from integument.cli.app import options_of
-from integument.cli.execute import ReportOption, UnitOption
 from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import BOX_FORM, read_box
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
+from integument.cli.options import ReportOption, UnitOption
 from integument.cli.session import connect
 
 

@@ -1,0 +1,54 @@
+"""Options that several commands have, declared once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
+
+import typer
+
+from integument.client import Unit
+
+SkinArgument: TypeAlias = Annotated[
+    str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")
+]
+SurfacesArgument: TypeAlias = Annotated[
+    list[str],
+    typer.Argument(
+        help="A mesh file, /v1/meshes/{id} or /v1/jobs/{id}/results/{output}; several are treated together; or a package: "
+        "/v1/jobs/{id}/results/package or a package.zip."
+    ),
+]
+UnitOption: TypeAlias = Annotated[Unit, typer.Option(help="Unit of the coordinates in the files.")]
+LayerOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=DEPTH",
+        help="Layer and its depth in mm, or the name of an array of the upload with the depth at each vertex; repeat, from "
+        "outside inwards. Default fat=1 average_body=3.",
+    ),
+]
+OuterLayerOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=DEPTH", help="Layer around the skin and its distance to it in mm; repeat, from outside inwards."),
+]
+ThinPolicyOption: TypeAlias = Annotated[
+    Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
+]
+MinGapOption: TypeAlias = Annotated[
+    float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two surfaces; default is the server's.")
+]
+SkinShiftOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(metavar="MM", help="Furthest the skin may move outwards where the body is too thin; default 0, at most 5."),
+]
+PackageOption: TypeAlias = Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the package, a zip.")]
+SurfaceOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", help="Where to put the surface, an STL; of several surfaces or a package: the package, a zip."
+    ),
+]
+ReportOption: TypeAlias = Annotated[
+    Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
+]
