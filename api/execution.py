@@ -18,6 +18,7 @@ from core.schema.processes import ProcessDescription
 from core.schema.reference import MeshReference, PackageReference
 from core.schema.surfaces import SurfacesInputs
 from store.job import MeshInput
+from store.workspace import WorkspaceId
 
 _ORIGIN = re.compile(r"^https?://[^/]+")
 
@@ -47,7 +48,7 @@ def require_known_outputs(process: ProcessDescription, inputs: FrozenModel, requ
         )
 
 
-def resolve_meshes(services: Services, inputs: FrozenModel) -> tuple[dict[str, Any], list[MeshInput]]:
+def resolve_meshes(services: Services, workspace: WorkspaceId, inputs: FrozenModel) -> tuple[dict[str, Any], list[MeshInput]]:
     """The inputs as stored (links without host: only their path counts) and the meshes they are bound to.
 
     Raises InputError `reference.*`."""
@@ -55,7 +56,7 @@ def resolve_meshes(services: Services, inputs: FrozenModel) -> tuple[dict[str, A
         (path_of(reference.href), isinstance(reference, PackageReference)) for reference in references_in(inputs)
     )
     meshes = [
-        services.mesh_inputs.resolve_package(href) if is_package else services.mesh_inputs.resolve(href)
+        services.mesh_inputs.resolve_package(workspace, href) if is_package else services.mesh_inputs.resolve(workspace, href)
         for href, is_package in wanted
     ]
     stored = _with_paths(inputs.model_dump(mode="json", exclude_none=True))

@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from api.services import Services
 from core.errors import InputError
 from store.idempotency import Reply
+from store.workspace import WorkspaceId
 
 HEADER = "Idempotency-Key"
 REPLAYED = "Idempotent-Replayed"
@@ -29,12 +30,13 @@ def fingerprint_of(method: str, path: str, body: Any) -> str:
 class Once:
     """One request under its key. Without a key everything is done as if this were not here."""
 
-    def __init__(self, services: Services, key: str | None, fingerprint: str) -> None:
+    def __init__(self, services: Services, workspace: WorkspaceId, key: str | None, fingerprint: str) -> None:
         if key is not None and not _KEY.fullmatch(key):
             raise InputError(
                 "idempotency.key_invalid", f"{HEADER} has {len(key)} characters; it takes 1 to 255 visible ASCII characters"
             )
         self._services = services
+        self._workspace = workspace
         self._key = key
         self._fingerprint = fingerprint
 
@@ -46,17 +48,17 @@ class Once:
         if self._key is None:
             yield None
             return
-        earlier = self._services.keys.begin(self._key, self._fingerprint)
+        earlier = self._services.keys.begin(self._workspace, self._key, self._fingerprint)
         if earlier is not None:
             yield earlier
             return
         try:
             yield None
         except BaseException:
-            self._services.keys.abandon(self._key)
+            self._services.keys.abandon(self._workspace, self._key)
             raise
 
     def remember(self, reply: Reply, session: Session | None = None) -> None:
         """Keep the reply; in the transaction that does the work, if there is one."""
         if self._key is not None:
-            self._services.keys.complete(self._key, reply, session=session)
+            self._services.keys.complete(self._workspace, self._key, reply, session=session)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import timedelta
 
-from sqlalchemy import update
+from sqlalchemy import select, update
 
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
@@ -177,6 +177,14 @@ class Claims:
             else:
                 queue_again(session, row, row.attempt, "worker is stopping, waits for another", now)
             return True
+
+    def is_held(self, job_id: str, token: int) -> bool:
+        """True while the attempt with this fencing token runs."""
+        with self._db.reading() as session:
+            held_now = select(JobRow.id).where(
+                JobRow.id == job_id, JobRow.lease_token == token, JobRow.status == JobStatus.RUNNING
+            )
+            return session.scalars(held_now).one_or_none() is not None
 
     def confirm_dismissed(self, job_id: str, token: int) -> bool:
         """The child is dead, as the user asked. False if the lease is lost or nobody asked."""

@@ -38,11 +38,12 @@ class Database:
     Any failure of the database itself is an InternalError `database.unavailable`, or a LimitError `storage.full`."""
 
     def __init__(self, settings: Settings) -> None:
-        self._url = make_url(settings.database_url)
+        self._settings_url = str(settings.database_url)
+        self._url = make_url(self._settings_url)
         self.is_sqlite = self._url.get_backend_name() == "sqlite"
         if self.is_sqlite:
             Path(str(self._url.database)).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        self.engine = _sqlite_engine(str(settings.database_url)) if self.is_sqlite else _postgres_engine(settings.database_url)
+        self.engine = _sqlite_engine(self._settings_url) if self.is_sqlite else _postgres_engine(self._settings_url)
         self._reader = self.engine.execution_options(read_only=True)
 
     @contextmanager
@@ -81,10 +82,17 @@ class Database:
 
     @contextmanager
     def _migrating(self) -> Iterator[Config]:
-        with _ONE_AT_A_TIME, _translated(), self.engine.begin() as connection:
-            if not self.is_sqlite:
-                connection.execute(select(func.pg_advisory_xact_lock(MIGRATION_LOCK)))
-            yield _alembic(connection)
+        engine = _sqlite_engine(self._settings_url, foreign_keys=False) if self.is_sqlite else self.engine
+        try:
+            with _ONE_AT_A_TIME, _translated(), engine.begin() as connection:
+                if not self.is_sqlite:
+                    connection.execute(select(func.pg_advisory_xact_lock(MIGRATION_LOCK)))
+                yield _alembic(connection)
+                if self.is_sqlite:
+                    _require_whole(connection)
+        finally:
+            if engine is not self.engine:
+                engine.dispose()
 
     def is_migrated(self) -> bool:
         """True if the tables are those this code expects."""
@@ -115,6 +123,18 @@ def _translated() -> Iterator[None]:
         raise InternalError("database.unavailable", f"the database does not answer: {reason}") from error
 
 
+def _require_whole(connection: Connection) -> None:
+    """The foreign keys that were not looked at while tables were made anew. Raises InternalError `database.inconsistent`."""
+    dangling = connection.exec_driver_sql("PRAGMA foreign_key_check").fetchall()
+    if dangling:
+        raise InternalError(
+            "database.inconsistent",
+            f"{len(dangling)} rows refer to rows that are not there, the first in {dangling[0][0]}; nothing was migrated",
+            rows=len(dangling),
+            table=str(dangling[0][0]),
+        )
+
+
 def _alembic(connection: Connection) -> Config:
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations").replace("%", "%%"))
@@ -142,7 +162,8 @@ def _postgres_engine(url: str) -> Engine:
     )
 
 
-def _sqlite_engine(url: str) -> Engine:
+def _sqlite_engine(url: str, *, foreign_keys: bool = True) -> Engine:
+    """Without `foreign_keys` for migrations alone: a table made anew is dropped first, which would take its children along."""
     # isolation_level None: the driver begins nothing by itself, we say which kind of transaction it is
     engine = create_engine(
         url,
@@ -156,7 +177,8 @@ def _sqlite_engine(url: str) -> Engine:
     @event.listens_for(engine, "connect")
     def _configure(connection: sqlite3.Connection, _entry: ConnectionPoolEntry) -> None:
         cursor = connection.cursor()
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):  # FULL: what was accepted survives a power cut
+        enforced = "foreign_keys=ON" if foreign_keys else "foreign_keys=OFF"
+        for pragma in ("journal_mode=WAL", "synchronous=FULL", enforced):  # FULL: what was accepted survives a power cut
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
 

@@ -10,7 +10,8 @@ from typing import Any
 from sqlalchemy import select
 
 from store.database import Database
-from store.records import EventRow
+from store.records import EventRow, JobRow
+from store.workspace import WorkspaceId
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,14 @@ class Events:
     def __init__(self, db: Database) -> None:
         self._db = db
 
-    def after(self, job_id: str, seq: int = 0, limit: int = 500) -> list[Event]:
-        """Those with a higher number, in order; empty if there is nothing new or no such job."""
-        query = select(EventRow).where(EventRow.job_id == job_id, EventRow.seq > seq).order_by(EventRow.seq).limit(limit)
+    def after(self, workspace: WorkspaceId, job_id: str, seq: int = 0, limit: int = 500) -> list[Event]:
+        """Those with a higher number, in order; empty if there is nothing new or no such job in the workspace."""
+        query = (
+            select(EventRow)
+            .join(JobRow, JobRow.id == EventRow.job_id)
+            .where(JobRow.workspace == workspace, EventRow.job_id == job_id, EventRow.seq > seq)
+            .order_by(EventRow.seq)
+            .limit(limit)
+        )
         with self._db.reading() as session:
             return [Event(row.job_id, row.seq, row.type, row.data, row.at) for row in session.scalars(query)]

@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from core.errors import StateError
 from store.database import Database
 from store.records import IdempotencyRow
+from store.workspace import WorkspaceId
 
 IN_FLIGHT_S = 600.0  # a request without a reply after this long died with its server
 
@@ -28,13 +29,15 @@ class Reply:
 
 
 class IdempotencyKeys:
-    """`begin`, do the work, `complete` in the transaction of the work; `abandon` if it failed."""
+    """`begin`, do the work, `complete` in the transaction of the work; `abandon` if it failed.
+
+    Each workspace has keys of its own."""
 
     def __init__(self, db: Database, hours: float = 24.0) -> None:
         self._db = db
         self._hours = hours
 
-    def begin(self, key: str, fingerprint: str) -> Reply | None:
+    def begin(self, workspace: WorkspaceId, key: str, fingerprint: str) -> Reply | None:
         """None: go on, the key is yours. A Reply: send it again.
 
         `fingerprint` is a hash of method, path and body, up to 64 characters.
@@ -42,14 +45,15 @@ class IdempotencyKeys:
         Raises StateError `idempotency.mismatch` (same key, other request) or `idempotency.in_flight`."""
         try:
             with self._db.session() as session:
-                session.add(IdempotencyRow(key=key, fingerprint=fingerprint, reply=None, created_at=self._db.now(session)))
+                now = self._db.now(session)
+                session.add(IdempotencyRow(workspace=workspace, key=key, fingerprint=fingerprint, reply=None, created_at=now))
         except IntegrityError:
-            return self._meet(key, fingerprint)
+            return self._meet(workspace, key, fingerprint)
         return None
 
-    def _meet(self, key: str, fingerprint: str) -> Reply | None:
+    def _meet(self, workspace: WorkspaceId, key: str, fingerprint: str) -> Reply | None:
         with self._db.session() as session:
-            row = session.get(IdempotencyRow, key, with_for_update=True)
+            row = session.get(IdempotencyRow, (workspace, key), with_for_update=True)
             now = self._db.now(session)
             if row is None:
                 raise StateError("idempotency.in_flight", "a request with this Idempotency-Key just ended; send it again")
@@ -64,17 +68,21 @@ class IdempotencyKeys:
                 raise StateError("idempotency.in_flight", "the first request with this Idempotency-Key is still at work")
             return Reply(**row.reply)
 
-    def complete(self, key: str, reply: Reply, *, session: Session | None = None) -> None:
+    def complete(self, workspace: WorkspaceId, key: str, reply: Reply, *, session: Session | None = None) -> None:
         """Remember the reply. Pass the `session` that makes the resource: then there is never one without the other."""
         with self._db.session(session) as work:
-            row = work.get(IdempotencyRow, key, with_for_update=True)
+            row = work.get(IdempotencyRow, (workspace, key), with_for_update=True)
             if row is not None:
                 row.reply = {"status": reply.status, "headers": dict(reply.headers), "body": reply.body}
 
-    def abandon(self, key: str) -> None:
+    def abandon(self, workspace: WorkspaceId, key: str) -> None:
         """Forget a request that failed, so that it may be sent again."""
         with self._db.session() as session:
-            session.execute(delete(IdempotencyRow).where(IdempotencyRow.key == key, IdempotencyRow.reply.is_(None)))
+            session.execute(
+                delete(IdempotencyRow).where(
+                    IdempotencyRow.workspace == workspace, IdempotencyRow.key == key, IdempotencyRow.reply.is_(None)
+                )
+            )
 
     def sweep(self) -> int:
         """Forget keys older than they are promised to be kept; returns how many."""

@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Any
 
 from core.errors import IntegumentError
+from store.workspace import WorkspaceId
 
 
 class JobStatus(StrEnum):
@@ -89,6 +90,7 @@ class Job:
     """A snapshot of one job. `attempt` counts from 1; `lease_token` is the fencing token of the latest claim."""
 
     id: str
+    workspace: WorkspaceId
     process: str
     inputs: Mapping[str, Any]
     mesh_inputs: Mapping[str, MeshInput]

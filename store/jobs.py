@@ -16,14 +16,19 @@ from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
-from store.transition import announce, end_dismissed, locked, queue_again, snapshot
+from store.transition import announce, end_dismissed, owned, queue_again, snapshot
+from store.workspace import WorkspaceId
 
 
 class Jobs(Claims, Reconciliation):
-    """Every state change commits together with its event. Thread-safe."""
+    """Every state change commits together with its event. Thread-safe.
+
+    To a workspace the jobs of others do not exist: they are looked for by id and workspace in one query, so what is foreign
+    costs and says the same as what is not there."""
 
     def create(
         self,
+        workspace: WorkspaceId,
         process: str,
         inputs: Mapping[str, Any],
         *,
@@ -36,6 +41,7 @@ class Jobs(Claims, Reconciliation):
             now = self._db.now(work)
             row = JobRow(
                 id=str(uuid4()),
+                workspace=workspace,
                 process=process,
                 inputs=dict(inputs),
                 status=JobStatus.ACCEPTED,
@@ -51,6 +57,7 @@ class Jobs(Claims, Reconciliation):
                 updated_at=now,
                 timings_s={},
                 event_seq=0,
+                output_bytes=0,
                 mesh_inputs=[
                     JobInputRow(
                         href=mesh.href,
@@ -69,13 +76,14 @@ class Jobs(Claims, Reconciliation):
             work.flush()
             return snapshot(row)
 
-    def get(self, job_id: str) -> Job:
+    def get(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Raises StateError `job.not_found`."""
         with self._db.reading() as session:
-            return snapshot(_known(session.get(JobRow, job_id), job_id))
+            return snapshot(owned(session, workspace, job_id))
 
     def list(
         self,
+        workspace: WorkspaceId,
         *,
         status: Iterable[str] = (),
         process: Iterable[str] = (),
@@ -83,7 +91,12 @@ class Jobs(Claims, Reconciliation):
         cursor: str | None = None,
     ) -> Page[Job]:
         """Newest first; several statuses or processes mean any of them. Raises InputError `cursor.invalid`."""
-        query = select(JobRow).order_by(JobRow.created_at.desc(), JobRow.id.desc()).limit(limit + 1)
+        query = (
+            select(JobRow)
+            .where(JobRow.workspace == workspace)
+            .order_by(JobRow.created_at.desc(), JobRow.id.desc())
+            .limit(limit + 1)
+        )
         if statuses := tuple(status):
             query = query.where(JobRow.status.in_(statuses))
         if processes := tuple(process):
@@ -96,23 +109,23 @@ class Jobs(Claims, Reconciliation):
             items = tuple(snapshot(row) for row in rows[:limit])
             return Page(items, to_cursor(items[-1].created_at, items[-1].id) if more else None)
 
-    def queue_position(self, job_id: str) -> int | None:
-        """1 for the job that is next; None if the job does not wait."""
+    def queue_position(self, workspace: WorkspaceId, job_id: str) -> int | None:
+        """1 for the job that is next, those of all workspaces counted; None if the job does not wait."""
         with self._db.reading() as session:
-            row = _known(session.get(JobRow, job_id), job_id)
+            row = owned(session, workspace, job_id)
             if row.status != JobStatus.ACCEPTED:
                 return None
             earlier: ColumnElement[bool] = tuple_(JobRow.queued_at, JobRow.id) < (row.queued_at, row.id)
             waiting = select(func.count()).select_from(JobRow).where(JobRow.status == JobStatus.ACCEPTED, earlier)
             return session.execute(waiting).scalar_one() + 1
 
-    def dismiss(self, job_id: str) -> Job:
+    def dismiss(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Take a job back: one that waits at once, a running one as soon as its worker has killed it (`dismiss_requested`).
 
         A finished one is removed, rows and events; its files go with the next sweep. Returns the job as the user should see it:
         removed ones as `dismissed`. Raises StateError `job.not_found`."""
         with self._db.session() as session:
-            row = _known(locked(session, job_id), job_id)
+            row = owned(session, workspace, job_id, lock=True)
             now = self._db.now(session)
             status = JobStatus(row.status)
             if status is JobStatus.ACCEPTED:
@@ -127,10 +140,10 @@ class Jobs(Claims, Reconciliation):
                 return job
             return snapshot(row)
 
-    def retry(self, job_id: str) -> Job:
+    def retry(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Queue a failed or dismissed job again, for one attempt more. Raises StateError `job.not_found`, `job.not_retryable`."""
         with self._db.session() as session:
-            row = _known(locked(session, job_id), job_id)
+            row = owned(session, workspace, job_id, lock=True)
             if row.status not in (JobStatus.FAILED, JobStatus.DISMISSED):
                 raise StateError(
                     "job.not_retryable",
@@ -141,9 +154,3 @@ class Jobs(Claims, Reconciliation):
             row.max_attempts = max(row.max_attempts, row.attempt + 1)
             queue_again(session, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(session))
             return snapshot(row)
-
-
-def _known(row: JobRow | None, job_id: str) -> JobRow:
-    if row is None:
-        raise StateError("job.not_found", f"there is no job {job_id}", job=job_id)
-    return row

@@ -12,6 +12,7 @@ from store.database import Database
 from store.job import JobStatus, MeshInput
 from store.jobs import Jobs
 from store.meshes import CANONICAL_MEDIA_TYPE, Meshes
+from store.workspace import WorkspaceId
 
 _HREF = re.compile(rf"(?:https?://[^/]+)?(?P<path>{MESH_HREF}|{RESULT_HREF})")
 
@@ -24,46 +25,50 @@ class MeshInputs:
         self._meshes = Meshes(db, blobs)
         self._jobs = Jobs(db)
 
-    def resolve(self, href: str) -> MeshInput:
+    def resolve(self, workspace: WorkspaceId, href: str) -> MeshInput:
         """The mesh behind a link; its blob is made young, so it outlives any sweep until the job's row refers to it.
 
         Raises InputError `reference.invalid` (no such link here), `reference.not_found` (nothing there),
         `reference.not_ready` (that job has not succeeded), `reference.not_a_mesh` (that output is no mesh)."""
-        mesh = self._find(href)
+        mesh = self._find(workspace, href)
         if mesh.media_type not in MESH_MEDIA_TYPES:
             raise InputError("reference.not_a_mesh", f"output '{mesh.file_name}' is {mesh.media_type}, not a mesh", href=href)
         return mesh
 
-    def resolve_package(self, href: str) -> MeshInput:
+    def resolve_package(self, workspace: WorkspaceId, href: str) -> MeshInput:
         """The package behind a link, kept as long as a mesh.
 
         Raises InputError as `resolve`, with `reference.not_a_package` if that output is none."""
-        package = self._find(href)
+        package = self._find(workspace, href)
         if package.media_type not in PACKAGE_MEDIA_TYPES:
             raise InputError(
                 "reference.not_a_package", f"'{package.file_name}' is {package.media_type}, not the package of a job", href=href
             )
         return package
 
-    def _find(self, href: str) -> MeshInput:
+    def _find(self, workspace: WorkspaceId, href: str) -> MeshInput:
         match = _HREF.fullmatch(href)
         if match is None:
             raise InputError("reference.invalid", f"{href!r} is no link to a mesh or a result of this server", href=href)
         parts = match["path"].split("/")
         try:
-            mesh = self._upload(href, parts[3]) if parts[2] == "meshes" else self._result(href, parts[3], parts[5])
+            mesh = (
+                self._upload(workspace, href, parts[3])
+                if parts[2] == "meshes"
+                else self._result(workspace, href, parts[3], parts[5])
+            )
         except StateError:
             raise InputError("reference.not_found", f"there is nothing at {match['path']}", href=href) from None
         if not self._blobs.touch(mesh.sha256):
             raise InputError("reference.not_found", f"the bytes of {match['path']} are gone", href=href)
         return mesh
 
-    def _upload(self, href: str, mesh_id: str) -> MeshInput:
-        record = self._meshes.get(mesh_id)
+    def _upload(self, workspace: WorkspaceId, href: str, mesh_id: str) -> MeshInput:
+        record = self._meshes.get(workspace, mesh_id)
         return MeshInput(href, record.name, record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name, record.sha256)
 
-    def _result(self, href: str, job_id: str, name: str) -> MeshInput:
-        job = self._jobs.get(job_id)
+    def _result(self, workspace: WorkspaceId, href: str, job_id: str, name: str) -> MeshInput:
+        job = self._jobs.get(workspace, job_id)
         if job.status is not JobStatus.SUCCESSFUL:
             raise InputError(
                 "reference.not_ready", f"job {job_id} is {job.status}, it has no results to build on", href=href, job=job_id

@@ -18,6 +18,7 @@ from store.database import Database
 from store.page import Page, from_cursor, to_cursor
 from store.records import MeshRow
 from store.storable import storable, storable_text
+from store.workspace import WorkspaceId
 
 CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"
 
@@ -60,19 +61,20 @@ class MeshRecord:
 
 
 class Meshes:
-    """The table of uploads, and their bytes among the blobs."""
+    """The table of uploads, and their bytes among the blobs. To a workspace the meshes of others do not exist."""
 
     def __init__(self, db: Database, blobs: Blobs) -> None:
         self._db = db
         self._blobs = blobs
 
-    def create(self, upload: MeshUpload, *, session: Session | None = None) -> MeshRecord:
+    def create(self, workspace: WorkspaceId, upload: MeshUpload, *, session: Session | None = None) -> MeshRecord:
         """Store both files, then the row: nothing half-way. Raises LimitError `storage.full`."""
         original = self._blobs.put_file(upload.path)
         canonical = self._blobs.put_file(upload.canonical_path)
         with self._db.session(session) as work:
             row = MeshRow(
                 id=str(uuid4()),
+                workspace=workspace,
                 name=storable_text(upload.name),
                 file_name=storable_text(upload.file_name),
                 unit=upload.unit,
@@ -91,14 +93,15 @@ class Meshes:
             work.flush()
             return _record(row)
 
-    def get(self, mesh_id: str) -> MeshRecord:
+    def get(self, workspace: WorkspaceId, mesh_id: str) -> MeshRecord:
         """Raises StateError `mesh.not_found`."""
         with self._db.reading() as session:
-            return _record(_known(session.get(MeshRow, mesh_id), mesh_id))
+            return _record(_owned(session, workspace, mesh_id))
 
-    def list(self, *, limit: int = 50, cursor: str | None = None) -> Page[MeshRecord]:
+    def list(self, workspace: WorkspaceId, *, limit: int = 50, cursor: str | None = None) -> Page[MeshRecord]:
         """Newest first. Raises InputError `cursor.invalid`."""
-        query = select(MeshRow).order_by(MeshRow.created_at.desc(), MeshRow.id.desc()).limit(limit + 1)
+        newest_first = (MeshRow.created_at.desc(), MeshRow.id.desc())
+        query = select(MeshRow).where(MeshRow.workspace == workspace).order_by(*newest_first).limit(limit + 1)
         if cursor is not None:
             query = query.where(tuple_(MeshRow.created_at, MeshRow.id) < from_cursor(cursor))
         with self._db.reading() as session:
@@ -106,13 +109,15 @@ class Meshes:
             items = tuple(_record(row) for row in rows[:limit])
             return Page(items, to_cursor(items[-1].created_at, items[-1].id) if len(rows) > limit else None)
 
-    def delete(self, mesh_id: str) -> None:
+    def delete(self, workspace: WorkspaceId, mesh_id: str) -> None:
         """Forget the mesh. Jobs that were accepted with it keep its bytes. Raises StateError `mesh.not_found`."""
         with self._db.session() as session:
-            session.delete(_known(session.get(MeshRow, mesh_id, with_for_update=True), mesh_id))
+            session.delete(_owned(session, workspace, mesh_id, lock=True))
 
 
-def _known(row: MeshRow | None, mesh_id: str) -> MeshRow:
+def _owned(session: Session, workspace: WorkspaceId, mesh_id: str, *, lock: bool = False) -> MeshRow:
+    query = select(MeshRow).where(MeshRow.id == mesh_id, MeshRow.workspace == workspace)
+    row = session.scalars(query.with_for_update() if lock else query).one_or_none()
     if row is None:
         raise StateError("mesh.not_found", f"there is no mesh {mesh_id}", mesh=mesh_id)
     return row

@@ -13,6 +13,7 @@ from store.instant import Instant
 Json = JSON(none_as_null=True)  # text on both databases: JSONB would reorder keys, and inputs must come back as they came
 Identifier = String(36)
 Digest = String(64)
+WorkspaceName = String(63)
 
 
 class Record(DeclarativeBase):
@@ -28,13 +29,25 @@ class Record(DeclarativeBase):
     )
 
 
+class WorkspaceRow(Record):
+    """Whose meshes and jobs are; the row is locked while its quota is compared and used."""
+
+    __tablename__ = "workspaces"
+
+    id: Mapped[str] = mapped_column(WorkspaceName, primary_key=True)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    quota_bytes: Mapped[int | None] = mapped_column(BigInteger)  # None: as the settings say; 0: no limit
+    quota_jobs: Mapped[int | None]
+
+
 class MeshRow(Record):
     """An uploaded mesh: the bytes as they came, and our canonical form of them."""
 
     __tablename__ = "meshes"
-    __table_args__ = (Index(None, "created_at", "id"),)
+    __table_args__ = (Index(None, "workspace", "created_at", "id"), Index(None, "workspace", "size_bytes"))
 
     id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
     name: Mapped[str] = mapped_column(Text)
     file_name: Mapped[str] = mapped_column(Text)
     unit: Mapped[str] = mapped_column(String(8))
@@ -57,11 +70,14 @@ class JobRow(Record):
     __table_args__ = (
         CheckConstraint("status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')", name="status_known"),
         CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="running_has_lease"),
-        Index(None, "created_at", "id"),
+        Index(None, "workspace", "created_at", "id"),
+        Index(None, "workspace", "status"),
+        Index(None, "workspace", "output_bytes"),
         Index(None, "status", "queued_at", "id"),
     )
 
     id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
     process: Mapped[str] = mapped_column(String(64))
     inputs: Mapped[dict[str, Any]] = mapped_column(Json)
     status: Mapped[str] = mapped_column(String(16))
@@ -86,6 +102,7 @@ class JobRow(Record):
     timings_s: Mapped[dict[str, float]] = mapped_column(Json)
     peak_memory_bytes: Mapped[int | None] = mapped_column(BigInteger)
     event_seq: Mapped[int]
+    output_bytes: Mapped[int] = mapped_column(BigInteger)  # of all outputs, for the quota: an index holds the sum
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
@@ -140,7 +157,42 @@ class IdempotencyRow(Record):
 
     __tablename__ = "idempotency_keys"
 
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id), primary_key=True)
     key: Mapped[str] = mapped_column(String(255), primary_key=True)
     fingerprint: Mapped[str] = mapped_column(Digest)
     reply: Mapped[dict[str, Any] | None] = mapped_column(Json)
     created_at: Mapped[datetime] = mapped_column(Instant, index=True)
+
+
+class ApiKeyRow(Record):
+    """A key and what it allows; of its text only the SHA-256."""
+
+    __tablename__ = "api_keys"
+
+    id: Mapped[str] = mapped_column(String(16), primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
+    name: Mapped[str] = mapped_column(Text)
+    scopes: Mapped[list[str]] = mapped_column(Json)
+    digest: Mapped[str] = mapped_column(Digest)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    expires_at: Mapped[datetime | None] = mapped_column(Instant)
+    last_used_at: Mapped[datetime | None] = mapped_column(Instant)
+    revoked_at: Mapped[datetime | None] = mapped_column(Instant)
+    replaced_by: Mapped[str | None] = mapped_column(String(16))
+
+
+class AuditRow(Record):
+    """Who did what, when, and how it ended. Refers to nothing: it outlives what it tells of."""
+
+    __tablename__ = "audit"
+    __table_args__ = (Index(None, "at"), Index(None, "workspace", "at"))
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    at: Mapped[datetime] = mapped_column(Instant)
+    actor: Mapped[str] = mapped_column(Text)
+    key_id: Mapped[str | None] = mapped_column(String(16))
+    workspace: Mapped[str | None] = mapped_column(WorkspaceName)
+    action: Mapped[str] = mapped_column(String(64))
+    subject: Mapped[str] = mapped_column(Text)
+    outcome: Mapped[str] = mapped_column(String(100))
+    request_id: Mapped[str | None] = mapped_column(String(64))

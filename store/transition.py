@@ -15,18 +15,26 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from core.errors import StateError
 from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
 from store.records import EventRow, JobOutputRow, JobRow
 from store.storable import storable, storable_text
+from store.workspace import WorkspaceId
 
 EVENT_LIMIT = 20_000  # ten hours of heartbeats
 
 NewEvent = tuple[str, Mapping[str, Any]]
 
 
-def locked(session: Session, job_id: str) -> JobRow | None:
-    """The row, held against every other writer until the transaction ends."""
-    return session.scalars(select(JobRow).where(JobRow.id == job_id).with_for_update()).one_or_none()
+def owned(session: Session, workspace: WorkspaceId, job_id: str, *, lock: bool = False) -> JobRow:
+    """The row, if it is that workspace's; with `lock` held against every other writer until the transaction ends.
+
+    Raises StateError `job.not_found`."""
+    query = select(JobRow).where(JobRow.id == job_id, JobRow.workspace == workspace)
+    row = session.scalars(query.with_for_update() if lock else query).one_or_none()
+    if row is None:
+        raise StateError("job.not_found", f"there is no job {job_id}", job=job_id)
+    return row
 
 
 def held(session: Session, job_id: str, token: int) -> JobRow | None:
@@ -72,7 +80,7 @@ def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: 
     row.lease_owner = row.lease_until = row.rung_at = row.finished_at = row.started_at = None
     row.failure = row.verdict = row.summary = row.peak_memory_bytes = None
     row.timings_s, row.queued_at = {}, now
-    row.outputs.clear()
+    drop_outputs(row)
     announce(session, row, now)
 
 
@@ -92,12 +100,13 @@ def end_failed(session: Session, row: JobRow, failure: JobFailure, now: datetime
 
 def end_dismissed(session: Session, row: JobRow, now: datetime) -> None:
     """Dismissed: once that was asked for, no job turns out successful."""
-    row.outputs.clear()
+    drop_outputs(row)
     end(session, row, JobStatus.DISMISSED, "dismissed on request", now)
 
 
 def keep_outputs(row: JobRow, outputs: Mapping[str, JobOutput]) -> None:
     """Link the files the job made; their order is kept."""
+    row.output_bytes += sum(output.size for output in outputs.values())
     row.outputs.extend(
         JobOutputRow(
             name=name,
@@ -111,10 +120,17 @@ def keep_outputs(row: JobRow, outputs: Mapping[str, JobOutput]) -> None:
     )
 
 
+def drop_outputs(row: JobRow) -> None:
+    """Unlink them; the bytes go with the next sweep."""
+    row.outputs.clear()
+    row.output_bytes = 0
+
+
 def snapshot(row: JobRow) -> Job:
     """The row as a frozen value."""
     return Job(
         id=row.id,
+        workspace=WorkspaceId(row.workspace),
         process=row.process,
         inputs=row.inputs,
         mesh_inputs={

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from core.errors import StateError
-from store.job import Job, JobStatus
+from store.job import Job
 from store.jobs import Jobs
 
 logger = logging.getLogger(__name__)
@@ -36,18 +35,11 @@ def sweep_job_folders(scratch_dir: Path, jobs: Jobs, older_than_s: float = ORPHA
     for folder in (scratch_dir / "jobs").glob("*.*"):
         job_id, _, token = folder.name.rpartition(".")
         with suppress(FileNotFoundError):  # its worker was quicker
-            if time.time() - folder.stat().st_mtime > older_than_s and not _is_in_use(jobs, job_id, token):
+            is_old = time.time() - folder.stat().st_mtime > older_than_s
+            if is_old and not (token.isdecimal() and jobs.is_held(job_id, int(token))):
                 _remove(folder)
                 swept.append(folder)
     return swept
-
-
-def _is_in_use(jobs: Jobs, job_id: str, token: str) -> bool:
-    try:
-        job = jobs.get(job_id)
-    except StateError:  # removed
-        return False
-    return job.status is JobStatus.RUNNING and str(job.lease_token) == token
 
 
 def _remove(folder: Path) -> None:

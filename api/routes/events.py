@@ -11,11 +11,13 @@ from fastapi import APIRouter, Depends, Header, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
+from api.access import WorkspaceDep
 from api.parameters import JobId
 from api.responses import problems
 from api.services import Services, ServicesDep
 from core.errors import StateError
 from store.events import Event
+from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
 
@@ -35,17 +37,22 @@ After = Annotated[int | None, Query(ge=0, le=LARGEST_SEQ, description="The same,
 class _Stream:
     """A slot that is taken, and where to begin."""
 
+    workspace: WorkspaceId
     job_id: str
     after: int
 
 
 def _open_stream(
-    job_id: JobId, services: ServicesDep, last_event_id: LastEventId = None, after: After = None
+    job_id: JobId,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    last_event_id: LastEventId = None,
+    after: After = None,
 ) -> Iterator[_Stream]:
     """Everything that can be refused is refused before the stream begins."""
-    services.jobs.get(job_id)
+    services.jobs.get(workspace, job_id)
     with services.streams.take():
-        yield _Stream(job_id, last_event_id if last_event_id is not None else after or 0)
+        yield _Stream(workspace, job_id, last_event_id if last_event_id is not None else after or 0)
 
 
 @router.get(
@@ -67,9 +74,9 @@ async def stream_events(
     yield ServerSentEvent(retry=RETRY_MS, comment="events of a job")
     seen, looked_at = stream.after, -STILL_THERE_S
     while not services.drain.begun:
-        events = await run_in_threadpool(services.events.after, stream.job_id, seen, BATCH)
+        events = await run_in_threadpool(services.events.after, stream.workspace, stream.job_id, seen, BATCH)
         for event in events:
-            last = event.type == DONE and await run_in_threadpool(_is_last, services, event)
+            last = event.type == DONE and await run_in_threadpool(_is_last, services, stream, event)
             yield _sent(event, last)
             seen = event.seq
             if last:
@@ -77,7 +84,7 @@ async def stream_events(
         if not events:
             if time.monotonic() - looked_at > STILL_THERE_S:
                 looked_at = time.monotonic()
-                if not await run_in_threadpool(_is_open, services, stream.job_id, seen):
+                if not await run_in_threadpool(_is_open, services, stream, seen):
                     return
             await services.drain.pause(services.settings.event_poll_s)
 
@@ -89,17 +96,17 @@ def _sent(event: Event, last: bool) -> ServerSentEvent:
     return ServerSentEvent(event=kind, id=str(event.seq), data=data)
 
 
-def _is_last(services: Services, event: Event) -> bool:
+def _is_last(services: Services, stream: _Stream, event: Event) -> bool:
     try:
-        return services.jobs.get(event.job_id).event_seq == event.seq
+        return services.jobs.get(stream.workspace, event.job_id).event_seq == event.seq
     except StateError:  # removed just now
         return True
 
 
-def _is_open(services: Services, job_id: str, seen: int) -> bool:
+def _is_open(services: Services, stream: _Stream, seen: int) -> bool:
     """False if the job is gone, or over and all its events were seen before."""
     try:
-        job = services.jobs.get(job_id)
+        job = services.jobs.get(stream.workspace, stream.job_id)
     except StateError:
         return False
     return not job.status.is_finished or job.event_seq > seen

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from pydantic import BeforeValidator, Field
 from starlette.concurrency import run_in_threadpool
 
+from api.access import WorkspaceDep
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.job_documents import describe_job, list_jobs
 from api.links import job_path
@@ -20,6 +21,7 @@ from api.services import Services, ServicesDep
 from api.waiting import has_ended, has_left, wait_until
 from store.idempotency import Reply
 from store.job import Job
+from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/jobs", tags=["Jobs"])
 
@@ -42,13 +44,14 @@ def get_jobs(
     request: Request,
     response: Response,
     services: ServicesDep,
+    workspace: WorkspaceDep,
     status: StatusFilter = (),
     process_id: ProcessFilter = (),
     limit: PageLimit = 50,
     cursor: Cursor = None,
 ) -> JobList:
-    """The jobs of this server, newest first."""
-    page = services.jobs.list(status=status, process=process_id, limit=limit, cursor=cursor)
+    """The jobs of the workspace, newest first."""
+    page = services.jobs.list(workspace, status=status, process=process_id, limit=limit, cursor=cursor)
     query = [("status", one) for one in status] + [("processID", one) for one in process_id] + [("limit", str(limit))]
     jobs = list_jobs(request, page, query)
     add_next_link(response, jobs.links)
@@ -57,10 +60,15 @@ def get_jobs(
 
 @router.get("/{job_id}", operation_id="getJob", response_model_exclude_none=True, responses=problems(404))
 async def get_job(
-    job_id: JobId, request: Request, response: Response, services: ServicesDep, preferences: PreferencesDep
+    job_id: JobId,
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    preferences: PreferencesDep,
 ) -> StatusInfo:
     """How a job stands. With `Prefer: wait=N` the answer comes when its status changes, or after N seconds."""
-    job = await run_in_threadpool(services.jobs.get, job_id)
+    job = await run_in_threadpool(services.jobs.get, workspace, job_id)
     if not job.status.is_finished:
         job = await wait_until(services, job, preferences.wait_s, has_left(job.status))
     response.headers.update(preferences.applied())
@@ -68,10 +76,10 @@ async def get_job(
 
 
 @router.delete("/{job_id}", operation_id="dismissJob", response_model_exclude_none=True, responses=problems(404))
-async def dismiss_job(job_id: JobId, request: Request, services: ServicesDep) -> StatusInfo:
+async def dismiss_job(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> StatusInfo:
     """Take a job back. A waiting one is dismissed at once; a running one is killed, and the answer waits a moment for that;
     a finished one is removed with its results."""
-    job = await run_in_threadpool(services.jobs.dismiss, job_id)
+    job = await run_in_threadpool(services.jobs.dismiss, workspace, job_id)
     if not job.status.is_finished:
         job = await wait_until(services, job, DISMISS_S, has_ended)
     return describe_job(request, job)
@@ -85,27 +93,32 @@ async def dismiss_job(job_id: JobId, request: Request, services: ServicesDep) ->
     responses=problems(404, 409, 422),
 )
 async def retry_job(
-    job_id: JobId, request: Request, response: Response, services: ServicesDep, idempotency_key: IdempotencyKey = None
+    job_id: JobId,
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    idempotency_key: IdempotencyKey = None,
 ) -> StatusInfo:
     """Run a failed or dismissed job once more, with the same inputs and under the same id."""
-    job, replayed = await run_in_threadpool(_queue_again, services, job_id, idempotency_key)
+    job, replayed = await run_in_threadpool(_queue_again, services, workspace, job_id, idempotency_key)
     response.headers["Location"] = job_path(job.id)
     if replayed:
         response.headers[REPLAYED] = "true"
     return await _described(services, request, job)
 
 
-def _queue_again(services: Services, job_id: str, key: str | None) -> tuple[Job, bool]:
+def _queue_again(services: Services, workspace: WorkspaceId, job_id: str, key: str | None) -> tuple[Job, bool]:
     """The job, and whether an earlier request with this key queued it."""
-    once = Once(services, key, fingerprint_of("POST", f"{job_path(job_id)}/retry", None))
+    once = Once(services, workspace, key, fingerprint_of("POST", f"{job_path(job_id)}/retry", None))
     with once.attempt() as earlier:
         if earlier is not None:
-            return services.jobs.get(job_id), True
-        job = services.jobs.retry(job_id)
+            return services.jobs.get(workspace, job_id), True
+        job = services.jobs.retry(workspace, job_id)
         once.remember(Reply(202, {"Location": job_path(job_id)}, {"job": job_id}))
     ring(services, job)
     return job, False
 
 
 async def _described(services: Services, request: Request, job: Job) -> StatusInfo:
-    return describe_job(request, job, await run_in_threadpool(services.jobs.queue_position, job.id))
+    return describe_job(request, job, await run_in_threadpool(services.jobs.queue_position, job.workspace, job.id))

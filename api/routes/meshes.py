@@ -12,6 +12,7 @@ import anyio
 from fastapi import APIRouter, Depends, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
+from api.access import WorkspaceDep
 from api.downloads import Download, read_file, send_download
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.intake import limits_of, name_of, parse, require_unit
@@ -28,6 +29,7 @@ from api.upload_form import ReceivedFile, receive_file
 from sandbox.call import call
 from store.idempotency import Reply
 from store.meshes import MeshRecord
+from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/meshes", tags=["Meshes"])
 
@@ -77,13 +79,17 @@ FolderDep = Annotated[Path, Depends(_folder_of)]
     openapi_extra=_UPLOAD_BODY,
 )
 async def upload_mesh(
-    request: Request, response: Response, services: ServicesDep, idempotency_key: IdempotencyKey = None
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    idempotency_key: IdempotencyKey = None,
 ) -> MeshInfo:
     """Send a mesh. It is read at once: the answer says what was found in it, or what is wrong with it."""
     with request_folder(services.incoming_dir) as folder:
         received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes)
         record, replayed = await anyio.to_thread.run_sync(
-            _take_in, services, received, folder, idempotency_key, limiter=services.intake_slots
+            _take_in, services, workspace, received, folder, idempotency_key, limiter=services.intake_slots
         )
     response.headers["Location"] = mesh_path(record.id)
     if replayed:
@@ -91,40 +97,48 @@ async def upload_mesh(
     return describe_mesh(request, record)
 
 
-def _take_in(services: Services, received: ReceivedFile, folder: Path, key: str | None) -> tuple[MeshRecord, bool]:
+def _take_in(
+    services: Services, workspace: WorkspaceId, received: ReceivedFile, folder: Path, key: str | None
+) -> tuple[MeshRecord, bool]:
     """The mesh, and whether an earlier request with this key made it."""
     unit = require_unit(received)
     told = {"file": received.sha256, "file_name": received.file_name, "unit": unit, "name": name_of(received)}
-    once = Once(services, key, fingerprint_of("POST", f"{BASE}/meshes", told))
+    once = Once(services, workspace, key, fingerprint_of("POST", f"{BASE}/meshes", told))
     with once.attempt() as earlier:
         if earlier is not None:
-            return services.meshes.get(str(earlier.body["mesh"])), True
+            return services.meshes.get(workspace, str(earlier.body["mesh"])), True
         upload = parse(services, received, unit, folder)
-        record = services.meshes.create(upload)  # copies two files, so not within a transaction of ours
+        record = services.meshes.create(workspace, upload)  # copies two files, so not within a transaction of ours
         once.remember(Reply(201, {"Location": mesh_path(record.id)}, {"mesh": record.id}))
     return record, False
 
 
 @router.get("", operation_id="listMeshes", response_model_exclude_none=True, responses=problems(422))
 def get_meshes(
-    request: Request, response: Response, services: ServicesDep, limit: PageLimit = 50, cursor: Cursor = None
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    limit: PageLimit = 50,
+    cursor: Cursor = None,
 ) -> MeshList:
-    """The uploaded meshes, newest first."""
-    meshes = list_meshes(request, services.meshes.list(limit=limit, cursor=cursor), [("limit", str(limit))])
+    """The meshes of the workspace, newest first."""
+    page = services.meshes.list(workspace, limit=limit, cursor=cursor)
+    meshes = list_meshes(request, page, [("limit", str(limit))])
     add_next_link(response, meshes.links)
     return meshes
 
 
 @router.get("/{mesh_id}", operation_id="getMesh", response_model_exclude_none=True, responses=problems(404))
-def get_mesh(mesh_id: MeshId, request: Request, services: ServicesDep) -> MeshInfo:
+def get_mesh(mesh_id: MeshId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> MeshInfo:
     """What is known of one mesh."""
-    return describe_mesh(request, services.meshes.get(mesh_id))
+    return describe_mesh(request, services.meshes.get(workspace, mesh_id))
 
 
 @router.delete("/{mesh_id}", operation_id="deleteMesh", status_code=204, responses=problems(404))
-def delete_mesh(mesh_id: MeshId, services: ServicesDep) -> None:
+def delete_mesh(mesh_id: MeshId, services: ServicesDep, workspace: WorkspaceDep) -> None:
     """Forget a mesh. Jobs that were accepted with it keep its bytes and go on."""
-    services.meshes.delete(mesh_id)
+    services.meshes.delete(workspace, mesh_id)
 
 
 @router.head("/{mesh_id}/file", include_in_schema=False)
@@ -138,13 +152,14 @@ async def get_mesh_file(
     mesh_id: MeshId,
     request: Request,
     services: ServicesDep,
+    workspace: WorkspaceDep,
     folder: FolderDep,
     file_format: Annotated[
         FileFormat, Query(alias="format", description="`original`: the bytes as sent; all others in mm, as jobs read the mesh")
     ] = "original",
 ) -> Response:
     """The mesh as a file."""
-    record = await run_in_threadpool(services.meshes.get, mesh_id)
+    record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
     if file_format == "original":
         return send_download(request, await run_in_threadpool(_original, services, record))
     download = await anyio.to_thread.run_sync(_export, services, record, file_format, folder, limiter=services.intake_slots)

@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Request, Response
 from starlette.concurrency import run_in_threadpool
 
+from api.access import WorkspaceDep
 from api.execution import find_and_read, resolve_meshes
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.job_documents import describe_job
@@ -22,6 +23,7 @@ from api.services import Services, ServicesDep
 from api.waiting import has_ended, wait_until
 from store.idempotency import Reply
 from store.job import Job
+from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/processes", tags=["Processes"])
 
@@ -51,32 +53,40 @@ async def execute_process(
     request: Request,
     response: Response,
     services: ServicesDep,
+    workspace: WorkspaceDep,
     preferences: PreferencesDep,
     idempotency_key: IdempotencyKey = None,
 ) -> StatusInfo:
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
-    job, replayed = await run_in_threadpool(_accept, services, request, process_id, body, idempotency_key)
+    job, replayed = await run_in_threadpool(_accept, services, workspace, process_id, body, idempotency_key)
     job = await wait_until(services, job, preferences.wait_s, has_ended)
     response.headers["Location"] = job_path(job.id)
     response.headers.update(preferences.applied())
     if replayed:
         response.headers[REPLAYED] = "true"
-    position = await run_in_threadpool(services.jobs.queue_position, job.id)
+    position = await run_in_threadpool(services.jobs.queue_position, workspace, job.id)
     return describe_job(request, job, position)
 
 
-def _accept(services: Services, request: Request, process_id: str, body: ExecuteRequest, key: str | None) -> tuple[Job, bool]:
+def _accept(
+    services: Services, workspace: WorkspaceId, process_id: str, body: ExecuteRequest, key: str | None
+) -> tuple[Job, bool]:
     """The job, and whether an earlier request with this key made it."""
     process, inputs = find_and_read(process_id, body)
     path = f"{BASE}/processes/{process_id}/execution"
-    once = Once(services, key, fingerprint_of("POST", path, body.model_dump(mode="json")))
+    once = Once(services, workspace, key, fingerprint_of("POST", path, body.model_dump(mode="json")))
     with once.attempt() as earlier:
         if earlier is not None:
-            return services.jobs.get(str(earlier.body["job"])), True
-        stored, meshes = resolve_meshes(services, inputs)
+            return services.jobs.get(workspace, str(earlier.body["job"])), True
+        stored, meshes = resolve_meshes(services, workspace, inputs)
         with services.db.session() as session:
             job = services.jobs.create(
-                process.id, stored, mesh_inputs=meshes, max_attempts=services.settings.max_attempts, session=session
+                workspace,
+                process.id,
+                stored,
+                mesh_inputs=meshes,
+                max_attempts=services.settings.max_attempts,
+                session=session,
             )
             once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
     ring(services, job)

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Path, Request
 from fastapi.responses import JSONResponse
 from starlette.responses import Response
 
+from api.access import WorkspaceDep
 from api.downloads import Download, send_download
 from api.job_documents import REPORT_HTML_OUTPUT, REPORT_OUTPUT, describe_failure, refer_to_results
 from api.links import job_path
@@ -32,9 +33,9 @@ REPORT_POLICY = (
 
 
 @router.get("/results", operation_id="getResults", responses=problems(404, 409, 413, 422))
-def get_results(job_id: JobId, request: Request, services: ServicesDep) -> Results:
+def get_results(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> Results:
     """Every output of a successful job, by reference. A failed job answers with the problem it failed of."""
-    return refer_to_results(request, require_results(services.jobs.get(job_id)))
+    return refer_to_results(request, require_results(services.jobs.get(workspace, job_id)))
 
 
 @router.head("/results/{output}", include_in_schema=False)
@@ -49,9 +50,10 @@ def get_result(
     output: Annotated[str, Path(description="Name of the output")],
     request: Request,
     services: ServicesDep,
+    workspace: WorkspaceDep,
 ) -> Response:
     """One output as a file. A failed job may have left some too: its report."""
-    job = services.jobs.get(job_id)
+    job = services.jobs.get(workspace, job_id)
     found = job.outputs.get(output)
     if found is None:
         raise no_such_output(require_results(job), output)
@@ -71,9 +73,9 @@ def get_result(
         **problems(404),
     },
 )
-def get_report(job_id: JobId, request: Request, services: ServicesDep) -> Response:
+def get_report(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> Response:
     """The report of a successful or failed job, for programs (JSON) or people (HTML), as `Accept` asks."""
-    job = services.jobs.get(job_id)
+    job = services.jobs.get(workspace, job_id)
     as_html = prefers(request.headers.get("accept"), "text/html", "application/json")
     found = job.outputs.get(REPORT_HTML_OUTPUT if as_html else REPORT_OUTPUT)
     if found is None:

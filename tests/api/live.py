@@ -19,6 +19,7 @@ from api.app import create_app
 from api.services import Services
 from store.job import Job, JobFailure, JobOutput
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 
 REPORT = b'{"process": "validate", "verdict": "simulation_ready", "summary": "1 mesh, no errors"}'
 REPORT_HTML = b"<!doctype html><title>Report</title><h1>1 mesh, no errors</h1>"
@@ -54,7 +55,7 @@ class Live:
 
     def accepted(self, process: str = "validate") -> Job:
         """A job that waits, put into the table."""
-        return self.services.jobs.create(process, {})
+        return self.services.jobs.create(DEFAULT_WORKSPACE, process, {})
 
     def running(self, process: str = "validate") -> Job:
         """A job a worker holds."""
@@ -79,7 +80,7 @@ class Live:
             peak_memory_bytes=123_456_789,
         )
         assert kept
-        return self.services.jobs.get(job.id)
+        return self.services.jobs.get(DEFAULT_WORKSPACE, job.id)
 
     def failed(self, failure: JobFailure, *, report: bool = True) -> Job:
         """A job that failed."""

@@ -15,6 +15,7 @@ import pytest
 from core.errors import InternalError
 from store.job import Job, JobFailure
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
 
 Event = tuple[int, str, dict[str, Any]]
@@ -99,7 +100,7 @@ def test_places_that_are_no_number_are_refused(api: Live, query: str, header: st
 
 def test_after_a_retry_only_the_last_end_ends_the_stream(api: Live) -> None:
     job = api.failed(JobFailure.of(InternalError("child.crashed", "ended by SIGSEGV", signal="SIGSEGV")))
-    api.services.jobs.retry(job.id)
+    api.services.jobs.retry(DEFAULT_WORKSPACE, job.id)
     again = api.services.jobs.claim(job.id, 2, "tests", 60.0)
     assert again is not None
     with streamed(api, job) as (_, events):
@@ -143,8 +144,8 @@ def test_a_refused_stream_takes_no_slot(api: Live) -> None:
 def test_a_removed_job_ends_its_stream(api: Live) -> None:
     job = api.accepted()
     with streamed(api, job, "?after=1") as (_, events):
-        api.services.jobs.dismiss(job.id)
-        api.services.jobs.dismiss(job.id)
+        api.services.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
+        api.services.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
         assert [kind for _, kind, _ in events] in (["done"], [])
 
 

@@ -15,6 +15,7 @@ import redis
 from core.errors import InputError
 from store.job import JobFailure, JobStatus
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.api.conftest import QUEUE
 from tests.api.live import Live, problem_of, serving
 from tests.valkey import ValkeyServer
@@ -35,7 +36,7 @@ def test_an_accepted_job_is_described_and_announced(api: Live, mesh_href: str, s
     assert told["queuePosition"] >= 1
     assert told["message"]
     assert [link["href"] for link in told["links"] if link["rel"] == "self"] == [api.url + response.headers["Location"]]
-    job = api.services.jobs.get(told["jobID"])
+    job = api.services.jobs.get(DEFAULT_WORKSPACE, told["jobID"])
     assert job.inputs["layers"] == LAYERS, "defaults are written down, so a later version cannot change the job"
     assert list(job.mesh_inputs) == [mesh_href]
     assert job.rung_at is not None
@@ -46,7 +47,7 @@ def test_an_accepted_job_is_described_and_announced(api: Live, mesh_href: str, s
 
 def test_an_absolute_link_counts_by_its_path(api: Live, mesh_href: str) -> None:
     told = api.execute("validate", {"meshes": {"skin": {"href": "http://elsewhere.example:1" + mesh_href}}}).json()
-    job = api.services.jobs.get(told["jobID"])
+    job = api.services.jobs.get(DEFAULT_WORKSPACE, told["jobID"])
     assert job.inputs["meshes"] == {"skin": {"href": mesh_href}}
     assert list(job.mesh_inputs) == [mesh_href]
 
@@ -263,13 +264,13 @@ def test_waiting_ends_with_the_job(api: Live, mesh_href: str) -> None:
         answers.append(api.execute("validate", {"meshes": {"href": mesh_href}}, Prefer="wait=20", Idempotency_Key=key))
 
     key = str(uuid4())
-    before = {job.id for job in api.services.jobs.list(limit=1000).items}
+    before = {job.id for job in api.services.jobs.list(DEFAULT_WORKSPACE, limit=1000).items}
     started = time.monotonic()
     thread = threading.Thread(target=send)
     thread.start()
     made: list[str] = []
     while not made and time.monotonic() - started < 10:
-        made = [job.id for job in api.services.jobs.list(limit=1000).items if job.id not in before]
+        made = [job.id for job in api.services.jobs.list(DEFAULT_WORKSPACE, limit=1000).items if job.id not in before]
     job = api.services.jobs.claim(made[0], 1, "tests", 60.0)
     assert job is not None
     api.services.jobs.finish(job.id, job.lease_token, verdict="not_ready", summary="1 error", outputs={}, timings_s={})
@@ -282,6 +283,6 @@ def test_a_silent_broker_does_not_concern_the_client(tmp_path: Path, stl: bytes)
     settings = Settings(data_dir=tmp_path, broker_url=f"redis+socket://{tmp_path}/nobody.sock")
     with serving(settings) as live:
         told = live.execute("validate", {"meshes": {"href": live.mesh_href(stl)}}).json()
-        job = live.services.jobs.get(told["jobID"])
+        job = live.services.jobs.get(DEFAULT_WORKSPACE, told["jobID"])
         assert (job.status, job.rung_at) == (JobStatus.ACCEPTED, None)
         assert live.services.jobs.due_to_ring(30.0) == [(job.id, 1)]

@@ -16,6 +16,7 @@ import pytest
 from core.errors import InputError, InternalError
 from store.job import Job, JobFailure
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
 
 OPEN_EDGES = JobFailure.of(InputError("skin.not_closed", "the skin has 3 open edges", edges=3))
@@ -217,13 +218,13 @@ def test_failed_and_dismissed_jobs_run_again_on_request(api: Live, make: Callabl
     told = response.json()
     assert (told["jobID"], told["status"], told["attempt"]) == (job.id, "accepted", job.attempt + 1)
     assert "failure" not in told
-    assert api.services.jobs.get(job.id).rung_at is not None
+    assert api.services.jobs.get(DEFAULT_WORKSPACE, job.id).rung_at is not None
     again = api.client.post(f"/v1/jobs/{job.id}/retry", headers={"Idempotency-Key": key})
     assert (again.json()["attempt"], again.headers["Idempotent-Replayed"]) == (job.attempt + 1, "true")
 
 
 def dismissed(api: Live) -> Job:
-    return api.services.jobs.dismiss(api.accepted().id)
+    return api.services.jobs.dismiss(DEFAULT_WORKSPACE, api.accepted().id)
 
 
 def test_other_jobs_do_not(api: Live) -> None:

@@ -19,6 +19,7 @@ from api.__main__ import main
 from store.database import Database
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 
 
 def free_port() -> int:
@@ -58,7 +59,7 @@ def test_a_signal_ends_it_at_once_though_a_client_listens(tmp_path: Path) -> Non
     settings = Settings(data_dir=tmp_path, port=free_port())
     with started(settings) as (process, url):
         database = Database(settings)
-        job = Jobs(database).create("validate", {})
+        job = Jobs(database).create(DEFAULT_WORKSPACE, "validate", {})
         database.close()
         with httpx.stream("GET", f"{url}/v1/jobs/{job.id}/events", timeout=20, trust_env=False) as stream:
             lines = stream.iter_lines()

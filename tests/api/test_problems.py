@@ -12,6 +12,7 @@ import pytest
 from api.app import create_app
 from api.openapi import build_openapi
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
 
 METHODS = ("GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
@@ -95,7 +96,7 @@ def test_a_bug_is_a_problem_that_tells_nothing_but_where_to_look(api: Live, capl
     api.services.jobs.finish(job.id, job.lease_token, verdict="who knows", summary="", outputs={}, timings_s={})
     with caplog.at_level(logging.ERROR):
         response = api.client.get(f"/v1/jobs/{job.id}", headers={"X-Request-ID": "look-for-me"})
-    api.services.jobs.dismiss(job.id)
+    api.services.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     problem = problem_of(response, 500, "internal.unexpected")
     assert problem["retryable"]
     assert "look-for-me" in problem["detail"]

@@ -15,6 +15,7 @@ from api.routes.meshes import FILE_MEDIA_TYPES
 from core.errors import InputError, InternalError, LimitError, StateError
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
+from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import REPORT, REPORT_HTML, Live, problem_of
 
 PACKAGE = bytes(range(256)) * 4096  # 1 MiB: several chunks
@@ -284,7 +285,7 @@ def test_a_deleted_mesh_is_gone_but_jobs_keep_its_bytes(api: Live, stl: bytes) -
     assert api.client.delete(href).status_code == 204
     problem_of(api.client.get(href), 404, "mesh.not_found")
     problem_of(api.execute("validate", {"meshes": {"href": href}}), 422, "reference.not_found")
-    assert api.services.blobs.path(api.services.jobs.get(job).mesh_inputs[href].sha256).exists()
+    assert api.services.blobs.path(api.services.jobs.get(DEFAULT_WORKSPACE, job).mesh_inputs[href].sha256).exists()
 
 
 def test_mesh_lists_are_paged(api: Live, stl: bytes) -> None:

@@ -10,6 +10,7 @@ import threading
 from store.database import Database
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 
 
 def main() -> None:
@@ -18,7 +19,7 @@ def main() -> None:
     threads = int(sys.argv[1])
     tables = [Jobs(Database(settings)) for _ in range(threads)]
     for table in tables:
-        table.list(limit=1)  # connected before the race
+        table.list(DEFAULT_WORKSPACE, limit=1)  # connected before the race
     print("ready", flush=True)
     job_ids = sys.stdin.readline().split()
 

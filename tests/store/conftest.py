@@ -11,8 +11,10 @@ from sqlalchemy import text
 from store.database import Database
 from store.events import Events
 from store.jobs import Jobs
-from store.records import Record
+from store.local_blobs import LocalBlobs
+from store.records import Record, WorkspaceRow
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.postgres import PostgresServer
 
 
@@ -38,6 +40,7 @@ def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
         database = Database(made)
         with database.session() as session:
             session.execute(text("TRUNCATE " + ", ".join(Record.metadata.tables)))
+            session.add(WorkspaceRow(id=DEFAULT_WORKSPACE, created_at=database.now(session)))  # as the migration does
     database.close()
     return made
 
@@ -60,3 +63,9 @@ def jobs(db: Database) -> Jobs:
 def events(db: Database) -> Events:
     """The events of its jobs."""
     return Events(db)
+
+
+@pytest.fixture
+def blobs(tmp_path: Path) -> LocalBlobs:
+    """An empty blob store."""
+    return LocalBlobs(tmp_path / "blobs")

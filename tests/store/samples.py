@@ -5,6 +5,7 @@ from __future__ import annotations
 from core.errors import InputError, InternalError
 from store.job import Job, JobFailure, JobOutput
 from store.jobs import Jobs
+from store.workspace import DEFAULT_WORKSPACE
 
 PACKAGE = JobOutput(sha256="a" * 64, size=12, media_type="application/zip", file_name="package.zip")
 REPORT = JobOutput(sha256="b" * 64, size=34, media_type="application/json", file_name="report.json")
@@ -14,7 +15,7 @@ CRASHED = JobFailure.of(InternalError("child.crashed", "the child died of SIGSEG
 
 def claimed(jobs: Jobs, process: str = "shells") -> Job:
     """A new job, rung and running."""
-    waiting = jobs.create(process, {})
+    waiting = jobs.create(DEFAULT_WORKSPACE, process, {})
     jobs.mark_rung(waiting.id, 1)
     job = jobs.claim(waiting.id, 1, "worker-1", 30.0)
     assert job is not None

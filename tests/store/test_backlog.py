@@ -6,6 +6,7 @@ from store.backlog import Backlog
 from store.database import Database
 from store.job import JobStatus
 from store.jobs import Jobs
+from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import claimed, finish
 
 
@@ -15,8 +16,8 @@ def test_an_empty_table_is_no_backlog(db: Database) -> None:
 
 
 def test_jobs_are_counted_by_process_and_status(db: Database, jobs: Jobs) -> None:
-    jobs.create("shells", {})
-    jobs.create("shells", {})
+    jobs.create(DEFAULT_WORKSPACE, "shells", {})
+    jobs.create(DEFAULT_WORKSPACE, "shells", {})
     claimed(jobs, "shells")
     finish(jobs, claimed(jobs, "validate"))
     count = Backlog(db).count()

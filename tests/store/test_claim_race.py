@@ -11,13 +11,14 @@ from store.events import Events
 from store.job import JobStatus
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 
 PROCESSES, THREADS = 2, 4
 JOBS = 25
 
 
 def test_eight_claimants_share_no_job(jobs: Jobs, events: Events, settings: Settings) -> None:
-    made = [jobs.create("shells", {}) for _ in range(JOBS)]
+    made = [jobs.create(DEFAULT_WORKSPACE, "shells", {}) for _ in range(JOBS)]
     claimants = [
         subprocess.Popen(
             [sys.executable, "-m", "tests.store.claimant", str(THREADS)],
@@ -39,6 +40,6 @@ def test_eight_claimants_share_no_job(jobs: Jobs, events: Events, settings: Sett
     assert [claimant.returncode for claimant in claimants] == [0] * PROCESSES
     assert won == Counter(job.id for job in made)
     for job in made:
-        now = jobs.get(job.id)
+        now = jobs.get(DEFAULT_WORKSPACE, job.id)
         assert (now.status, now.lease_token) == (JobStatus.RUNNING, 1)
-        assert [event.seq for event in events.after(job.id)] == [1, 2]
+        assert [event.seq for event in events.after(DEFAULT_WORKSPACE, job.id)] == [1, 2]

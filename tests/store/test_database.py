@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from store.database import Database
 from store.events import Events
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.postgres import running_postgres
 from tests.store.samples import claimed
 
@@ -26,10 +28,11 @@ import sys
 from store.database import Database
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 
 jobs = Jobs(Database(Settings()))
 while True:
-    job = jobs.claim(jobs.create("shells", {}).id, 1, "w", 30.0)
+    job = jobs.claim(jobs.create(DEFAULT_WORKSPACE, "shells", {}).id, 1, "w", 30.0)
     print(job.id, flush=True)
 """
 
@@ -61,12 +64,12 @@ def test_the_clock_is_utc(db: Database) -> None:
 
 
 def test_a_reader_does_not_wait_for_a_writer(db: Database, jobs: Jobs) -> None:
-    job = jobs.create("shells", {})
+    job = jobs.create(DEFAULT_WORKSPACE, "shells", {})
     with db.session() as session:
-        jobs.create("shells", {}, session=session)
-        assert [seen.id for seen in jobs.list().items] == [job.id]
-        assert jobs.get(job.id) == job
-    assert len(jobs.list().items) == 2
+        jobs.create(DEFAULT_WORKSPACE, "shells", {}, session=session)
+        assert [seen.id for seen in jobs.list(DEFAULT_WORKSPACE).items] == [job.id]
+        assert jobs.get(DEFAULT_WORKSPACE, job.id) == job
+    assert len(jobs.list(DEFAULT_WORKSPACE).items) == 2
 
 
 def test_the_tables_refuse_a_state_that_cannot_be(db: Database, jobs: Jobs) -> None:
@@ -74,7 +77,7 @@ def test_the_tables_refuse_a_state_that_cannot_be(db: Database, jobs: Jobs) -> N
     for nonsense in ("status = 'lost'", "lease_until = NULL"):
         with pytest.raises(IntegrityError), db.session() as session:
             session.execute(text(f"UPDATE jobs SET {nonsense}"))
-    assert jobs.get(job.id) == job
+    assert jobs.get(DEFAULT_WORKSPACE, job.id) == job
 
 
 def test_ping_answers(db: Database) -> None:
@@ -87,17 +90,17 @@ def test_an_absent_postgres_is_unavailable_and_back_again(tmp_path: Path) -> Non
         database = Database(Settings(data_dir=tmp_path, database_url=server.new_database()))
         database.migrate()
         jobs = Jobs(database)
-        job = jobs.create("shells", {})
+        job = jobs.create(DEFAULT_WORKSPACE, "shells", {})
         server.restart()
-        assert jobs.get(job.id) == job  # the connection that broke is not noticed
+        assert jobs.get(DEFAULT_WORKSPACE, job.id) == job  # the connection that broke is not noticed
         server.stop()
-        for ask in (database.ping, database.is_migrated, database.migrate, jobs.list):
+        for ask in (database.ping, database.is_migrated, database.migrate, partial(jobs.list, DEFAULT_WORKSPACE)):
             with pytest.raises(InternalError) as caught:
                 ask()
             assert caught.value.code == "database.unavailable"
             assert caught.value.retryable
         server.start()
-        assert jobs.get(job.id) == job
+        assert jobs.get(DEFAULT_WORKSPACE, job.id) == job
         database.close()
 
 
@@ -106,9 +109,9 @@ def test_a_locked_sqlite_is_unavailable(tmp_path: Path, monkeypatch: pytest.Monk
     database, other = (Database(Settings(data_dir=tmp_path)) for _ in range(2))
     database.migrate()
     with database.session() as session:
-        Jobs(database).create("shells", {}, session=session)
+        Jobs(database).create(DEFAULT_WORKSPACE, "shells", {}, session=session)
         with pytest.raises(InternalError) as caught:
-            Jobs(other).create("shells", {})
+            Jobs(other).create(DEFAULT_WORKSPACE, "shells", {})
     assert caught.value.code == "database.unavailable"
     database.close()
     other.close()
@@ -123,12 +126,12 @@ def test_a_full_sqlite_is_a_limit(tmp_path: Path) -> None:
         with database.session() as session:
             session.execute(text("PRAGMA max_page_count = 1"))
             for _ in range(100):
-                jobs.create("shells", {"text": "x" * 10_000}, session=session)
+                jobs.create(DEFAULT_WORKSPACE, "shells", {"text": "x" * 10_000}, session=session)
 
     with pytest.raises(LimitError) as caught:
         fill()
     assert caught.value.code == "storage.full"
-    assert jobs.list().items == ()
+    assert jobs.list(DEFAULT_WORKSPACE).items == ()
     database.close()
 
 
@@ -142,9 +145,9 @@ def test_what_was_accepted_survives_kill_9(settings: Settings, db: Database, job
     told += [line for line in writer.stdout.read().split("\n")[:-1] if line]
     writer.wait(timeout=30)
     writer.stdout.close()
-    kept = {job.id: job for job in jobs.list(limit=100_000).items}
+    kept = {job.id: job for job in jobs.list(DEFAULT_WORKSPACE, limit=100_000).items}
     assert set(told) <= set(kept)
     assert len(kept) - len(told) <= 1
     for job in kept.values():
-        assert [event.seq for event in events.after(job.id)] == list(range(1, job.event_seq + 1))
+        assert [event.seq for event in events.after(DEFAULT_WORKSPACE, job.id)] == list(range(1, job.event_seq + 1))
         assert job.event_seq == (2 if job.status == "running" else 1)

@@ -16,6 +16,7 @@ from store.database import Database
 from store.events import Events
 from store.jobs import Jobs
 from store.records import JobRow
+from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import CRASHED, PACKAGE
 
 MUCH_LATER = timedelta(days=1)
@@ -64,7 +65,7 @@ class JobMachine(RuleBasedStateMachine):
     @precondition(lambda self: len(self.expected) < 3)
     @rule(target=ids, max_attempts=st.integers(1, 3))
     def create(self, max_attempts: int) -> str:
-        job_id = self.jobs.create("shells", {}, max_attempts=max_attempts).id
+        job_id = self.jobs.create(DEFAULT_WORKSPACE, "shells", {}, max_attempts=max_attempts).id
         self.expected[job_id] = Expected(max_attempts=max_attempts)
         return job_id
 
@@ -132,9 +133,9 @@ class JobMachine(RuleBasedStateMachine):
         known = self.expected.get(job_id)
         if known is None:
             with pytest.raises(StateError):
-                self.jobs.dismiss(job_id)
+                self.jobs.dismiss(DEFAULT_WORKSPACE, job_id)
             return
-        job = self.jobs.dismiss(job_id)
+        job = self.jobs.dismiss(DEFAULT_WORKSPACE, job_id)
         if known.status == "accepted":
             known.become("dismissed")
         elif known.status == "running":
@@ -144,16 +145,16 @@ class JobMachine(RuleBasedStateMachine):
         else:
             del self.expected[job_id]
             assert job.status == "dismissed"
-            assert self.events.after(job_id) == []
+            assert self.events.after(DEFAULT_WORKSPACE, job_id) == []
 
     @rule(job_id=ids)
     def retry(self, job_id: str) -> None:
         known = self.expected.get(job_id)
         if known is None or known.status not in ("failed", "dismissed"):
             with pytest.raises(StateError):
-                self.jobs.retry(job_id)
+                self.jobs.retry(DEFAULT_WORKSPACE, job_id)
             return
-        self.jobs.retry(job_id)
+        self.jobs.retry(DEFAULT_WORKSPACE, job_id)
         known.max_attempts = max(known.max_attempts, known.attempt + 1)
         known.become("accepted", attempt=known.attempt + 1)
 
@@ -168,7 +169,7 @@ class JobMachine(RuleBasedStateMachine):
 
     @invariant()
     def table_agrees(self) -> None:
-        rows = {job.id: job for job in self.jobs.list().items}
+        rows = {job.id: job for job in self.jobs.list(DEFAULT_WORKSPACE).items}
         assert rows.keys() == self.expected.keys()
         for job_id, known in self.expected.items():
             row = rows[job_id]
@@ -183,7 +184,7 @@ class JobMachine(RuleBasedStateMachine):
             assert (row.finished_at is not None) == row.status.is_finished
             assert (row.failure is not None) == (row.status == "failed")
             assert list(row.outputs) == (["package"] if row.status == "successful" else [])
-            story = self.events.after(job_id)
+            story = self.events.after(DEFAULT_WORKSPACE, job_id)
             assert [event.seq for event in story] == list(range(1, row.event_seq + 1))
             assert [event.data["status"] for event in story if event.type != "progress"] == known.story
             assert all((event.type == "done") == (event.data.get("status") in FINISHED) for event in story)

@@ -16,6 +16,7 @@ from store.mesh_inputs import MeshInputs
 from store.meshes import CANONICAL_MEDIA_TYPE, Meshes, MeshUpload
 from store.records import Record
 from store.references import References
+from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import claimed
 
 FINDING = {"code": "mesh.unit_suspicious", "severity": "warning", "message": "1.8 mm tall", "count": 1, "places": []}
@@ -46,8 +47,8 @@ def references(db: Database) -> References:
 
 def test_an_upload_comes_back_with_its_bytes(meshes: Meshes, blobs: Blobs, tmp_path: Path) -> None:
     sent = upload(tmp_path)
-    record = meshes.create(sent)
-    assert meshes.get(record.id) == record
+    record = meshes.create(DEFAULT_WORKSPACE, sent)
+    assert meshes.get(DEFAULT_WORKSPACE, record.id) == record
     assert (record.name, record.file_name, record.unit, record.format) == ("skin", "skin.stl", "m", "stl")
     assert (record.vertices, record.faces, record.extents_mm, record.findings) == (4, 4, (1.5, 2.0, 1e-3), (FINDING,))
     assert record.size_bytes == len(b"solid skin")
@@ -58,14 +59,14 @@ def test_an_upload_comes_back_with_its_bytes(meshes: Meshes, blobs: Blobs, tmp_p
 def test_a_mesh_nobody_sent_is_not_found(meshes: Meshes) -> None:
     for ask in (meshes.get, meshes.delete):
         with pytest.raises(StateError) as caught:
-            ask("00000000-0000-4000-8000-000000000000")
+            ask(DEFAULT_WORKSPACE, "00000000-0000-4000-8000-000000000000")
         assert caught.value.code == "mesh.not_found"
 
 
 def test_pages_of_meshes(meshes: Meshes, tmp_path: Path) -> None:
-    made = [meshes.create(upload(tmp_path, f"part{number}")) for number in range(5)]
-    first = meshes.list(limit=3)
-    second = meshes.list(limit=3, cursor=first.next)
+    made = [meshes.create(DEFAULT_WORKSPACE, upload(tmp_path, f"part{number}")) for number in range(5)]
+    first = meshes.list(DEFAULT_WORKSPACE, limit=3)
+    second = meshes.list(DEFAULT_WORKSPACE, limit=3, cursor=first.next)
     assert [mesh.name for mesh in (*first.items, *second.items)] == [mesh.name for mesh in reversed(made)]
     assert second.next is None
 
@@ -77,14 +78,14 @@ def test_a_full_disk_leaves_no_row(meshes: Meshes, tmp_path: Path, monkeypatch: 
     sent = upload(tmp_path)
     monkeypatch.setattr(Blobs, "_place", full)
     with pytest.raises(LimitError):
-        meshes.create(sent)
-    assert meshes.list().items == ()
+        meshes.create(DEFAULT_WORKSPACE, sent)
+    assert meshes.list(DEFAULT_WORKSPACE).items == ()
 
 
 def test_a_link_to_an_upload_is_bound_to_its_canonical_bytes(meshes: Meshes, mesh_inputs: MeshInputs, tmp_path: Path) -> None:
-    record = meshes.create(upload(tmp_path))
+    record = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path))
     for href in (f"/v1/meshes/{record.id}", f"http://127.0.0.1:8000/v1/meshes/{record.id}"):
-        mesh = mesh_inputs.resolve(href)
+        mesh = mesh_inputs.resolve(DEFAULT_WORKSPACE, href)
         assert (mesh.href, mesh.name, mesh.sha256) == (href, "skin", record.canonical_sha256)
         assert mesh.source_sha256 == record.sha256
         assert mesh.media_type == CANONICAL_MEDIA_TYPE
@@ -99,7 +100,7 @@ def finished_with(jobs: Jobs, outputs: dict[str, JobOutput]) -> str:
 def test_a_link_to_a_result_is_bound_to_its_bytes(jobs: Jobs, blobs: Blobs, mesh_inputs: MeshInputs) -> None:
     blob = blobs.put_bytes(b"solid fat")
     job_id = finished_with(jobs, {"fat": JobOutput(blob.sha256, blob.size, "model/stl", "fat.stl")})
-    mesh = mesh_inputs.resolve(f"/v1/jobs/{job_id}/results/fat")
+    mesh = mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/jobs/{job_id}/results/fat")
     assert (mesh.name, mesh.sha256, mesh.media_type, mesh.file_name) == ("fat", blob.sha256, "model/stl", "fat.stl")
 
 
@@ -110,7 +111,7 @@ def test_a_package_is_one_and_a_mesh_is_none(jobs: Jobs, blobs: Blobs, mesh_inpu
         "fat": JobOutput(blob.sha256, blob.size, "model/stl", "fat.stl"),
     }
     job = f"/v1/jobs/{finished_with(jobs, outputs)}/results"
-    package = mesh_inputs.resolve_package(f"{job}/package")
+    package = mesh_inputs.resolve_package(DEFAULT_WORKSPACE, f"{job}/package")
     assert (package.sha256, package.media_type, package.file_name) == (blob.sha256, "application/zip", "package.zip")
     for resolve, name, code in (
         (mesh_inputs.resolve, "package", "reference.not_a_mesh"),
@@ -118,7 +119,7 @@ def test_a_package_is_one_and_a_mesh_is_none(jobs: Jobs, blobs: Blobs, mesh_inpu
         (mesh_inputs.resolve_package, "skin", "reference.not_found"),
     ):
         with pytest.raises(InputError) as caught:
-            resolve(f"{job}/{name}")
+            resolve(DEFAULT_WORKSPACE, f"{job}/{name}")
         assert caught.value.code == code
 
 
@@ -128,7 +129,7 @@ def test_every_bad_link_is_refused_by_name(
     blob = blobs.put_bytes(b"{}")
     done = finished_with(jobs, {"report": JobOutput(blob.sha256, blob.size, "application/json", "report.json")})
     running = claimed(jobs).id
-    gone = meshes.create(upload(tmp_path))
+    gone = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path))
     blobs.delete(gone.canonical_sha256)
     nobody = "00000000-0000-4000-8000-000000000000"
     refused = {
@@ -143,27 +144,29 @@ def test_every_bad_link_is_refused_by_name(
     }
     for href, code in refused.items():
         with pytest.raises(InputError) as caught:
-            mesh_inputs.resolve(href)
+            mesh_inputs.resolve(DEFAULT_WORKSPACE, href)
         assert (href, caught.value.code) == (href, code)
 
 
 def test_the_sweep_takes_only_what_nothing_refers_to(
     jobs: Jobs, meshes: Meshes, mesh_inputs: MeshInputs, blobs: Blobs, references: References, tmp_path: Path
 ) -> None:
-    first, twin, other = (meshes.create(upload(tmp_path, name)) for name in ("skin", "skin", "other"))
+    first, twin, other = (meshes.create(DEFAULT_WORKSPACE, upload(tmp_path, name)) for name in ("skin", "skin", "other"))
     orphan = blobs.put_bytes(b"nobody's")
     assert first.sha256 == twin.sha256
     assert blobs.sweep(references.all(), older_than_s=3600.0) == []  # too young to judge
     assert blobs.sweep(references.all(), older_than_s=-1.0) == [orphan]
 
-    job = jobs.create("shells", {}, mesh_inputs=[mesh_inputs.resolve(f"/v1/meshes/{other.id}")])
-    meshes.delete(first.id)
-    meshes.delete(other.id)
+    job = jobs.create(
+        DEFAULT_WORKSPACE, "shells", {}, mesh_inputs=[mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/meshes/{other.id}")]
+    )
+    meshes.delete(DEFAULT_WORKSPACE, first.id)
+    meshes.delete(DEFAULT_WORKSPACE, other.id)
     swept = {blob.sha256 for blob in blobs.sweep(references.all(), older_than_s=-1.0)}
     assert swept == {other.sha256}  # its twin keeps the first, the job keeps what it reads
-    jobs.dismiss(job.id)
-    jobs.dismiss(job.id)
-    meshes.delete(twin.id)
+    jobs.dismiss(DEFAULT_WORKSPACE, job.id)
+    jobs.dismiss(DEFAULT_WORKSPACE, job.id)
+    meshes.delete(DEFAULT_WORKSPACE, twin.id)
     swept = {blob.sha256 for blob in blobs.sweep(references.all(), older_than_s=-1.0)}
     assert swept == {first.sha256, first.canonical_sha256, other.canonical_sha256}
     assert list(blobs.all()) == []
@@ -173,9 +176,9 @@ def test_outputs_shared_by_two_jobs_outlive_one(jobs: Jobs, blobs: Blobs, refere
     blob = blobs.put_bytes(b"package")
     output = {"package": JobOutput(blob.sha256, blob.size, "application/zip", "package.zip")}
     one, other = finished_with(jobs, output), finished_with(jobs, output)
-    jobs.dismiss(one)
+    jobs.dismiss(DEFAULT_WORKSPACE, one)
     assert blobs.sweep(references.all(), older_than_s=-1.0) == []
-    jobs.dismiss(other)
+    jobs.dismiss(DEFAULT_WORKSPACE, other)
     assert blobs.sweep(references.all(), older_than_s=-1.0) == [blob]
 
 
@@ -190,8 +193,8 @@ def test_every_column_that_names_a_blob_is_looked_at(
     }
     columns.remove("job_inputs.source_sha256")  # says where an input came from; the job does not read it
     assert columns == {"meshes.sha256", "meshes.canonical_sha256", "job_inputs.sha256", "job_outputs.sha256"}
-    mesh = meshes.create(upload(tmp_path))
+    mesh = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path))
     result = blobs.put_bytes(b"result")
-    jobs.create("shells", {}, mesh_inputs=[mesh_inputs.resolve(f"/v1/meshes/{mesh.id}")])
+    jobs.create(DEFAULT_WORKSPACE, "shells", {}, mesh_inputs=[mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/meshes/{mesh.id}")])
     finished_with(jobs, {"fat": JobOutput(result.sha256, result.size, "model/stl", "fat.stl")})
     assert references.all() == {mesh.sha256, mesh.canonical_sha256, result.sha256}

@@ -20,6 +20,7 @@ from store.events import Events
 from store.job import Job
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.valkey import ValkeyServer
 
 ROOT = Path(__file__).parents[2]
@@ -58,14 +59,14 @@ class Service:
         return codes
 
     def submit(self, act: str = "write", *, ring: bool = True, max_attempts: int = 2, **inputs: Any) -> Job:
-        job = self.jobs.create("validate", {"act": act, **inputs}, max_attempts=max_attempts)
+        job = self.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": act, **inputs}, max_attempts=max_attempts)
         if ring and self.doorbell.ring(job.id, job.attempt):
             self.jobs.mark_rung(job.id, job.attempt)
         return job
 
     def wait(self, job: Job, until: Callable[[Job], bool] = lambda job: job.status.is_finished, limit_s: float = LIMIT_S) -> Job:
         deadline = time.monotonic() + limit_s
-        while not until(now := self.jobs.get(job.id)):
+        while not until(now := self.jobs.get(DEFAULT_WORKSPACE, job.id)):
             assert time.monotonic() < deadline, f"{now}\n{self.log()}"
             time.sleep(0.02)
         return now
@@ -74,7 +75,7 @@ class Service:
         """The pid of the child that works on the job; it is the first thing it says."""
         deadline = time.monotonic() + LIMIT_S
         while True:
-            told = [event.data["message"] for event in self.events.after(job.id) if event.type == "log"]
+            told = [event.data["message"] for event in self.events.after(DEFAULT_WORKSPACE, job.id) if event.type == "log"]
             children = [line for line in told if line.startswith("child ")]
             if len(children) >= attempt:
                 return int(children[attempt - 1].removeprefix("child "))

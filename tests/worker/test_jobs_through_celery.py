@@ -13,6 +13,7 @@ import pytest
 import redis
 
 from store.job import Job, JobStatus, MeshInput
+from store.workspace import DEFAULT_WORKSPACE
 from tests.sandbox.ending import wait_for_end
 from tests.worker.conftest import Service
 from worker.progress import MAX_LOG_LINES
@@ -28,7 +29,7 @@ def _the_worker_stays(running: Service) -> Any:
 def test_a_job_ends_with_outputs_timings_and_events(running: Service) -> None:
     blob = running.blobs.put_bytes(b"solid")
     mesh = MeshInput("/v1/meshes/1", "skin", blob.sha256, "model/stl", "skin.stl")
-    job = running.jobs.create("validate", {"act": "write"}, mesh_inputs=[mesh])
+    job = running.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"}, mesh_inputs=[mesh])
     assert running.doorbell.ring(job.id, 1)
     done = running.wait(job)
     assert (done.status, done.verdict, done.summary, done.progress) == ("successful", "simulation_ready", "all is well", 100.0)
@@ -39,7 +40,7 @@ def test_a_job_ends_with_outputs_timings_and_events(running: Service) -> None:
     assert set(done.timings_s) == {"start", "begin", "work", "store"}
     assert done.peak_memory_bytes is not None
     assert done.peak_memory_bytes > 1 << 20
-    types = [event.type for event in running.events.after(job.id)]
+    types = [event.type for event in running.events.after(DEFAULT_WORKSPACE, job.id)]
     assert types[:2] == ["status", "status"]  # accepted, running
     assert types[-1] == "done"
     assert "log" in types
@@ -117,7 +118,7 @@ def test_a_dismissed_job_is_dead_within_two_seconds(running: Service, act: str) 
     job = running.submit(act, seconds=60, wait=True)
     child = running.wait_for_child(job)
     asked = time.monotonic()
-    running.jobs.dismiss(job.id)
+    running.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     ended = running.wait(job)
     assert ended.status is JobStatus.DISMISSED
     assert wait_for_end([child], 0.0) == []
@@ -126,10 +127,10 @@ def test_a_dismissed_job_is_dead_within_two_seconds(running: Service, act: str) 
 
 def test_a_job_dismissed_while_it_waits_never_starts(running: Service) -> None:
     job = running.submit(ring=False)
-    running.jobs.dismiss(job.id)
+    running.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     running.doorbell.ring(job.id, 1)
     time.sleep(0.3)
-    assert running.jobs.get(job.id).started_at is None
+    assert running.jobs.get(DEFAULT_WORKSPACE, job.id).started_at is None
 
 
 OUTPUT = {"name": "report", "path": "out/report.json", "media_type": "application/json", "file_name": "report.json"}
@@ -167,7 +168,9 @@ def test_a_link_is_no_output(running: Service) -> None:
 def test_a_flood_of_log_lines_is_cut(running: Service) -> None:
     job = running.submit("talk", lines=MAX_LOG_LINES + 500)
     assert running.wait(job).status is JobStatus.SUCCESSFUL
-    lines = [event.data["message"] for event in running.events.after(job.id, limit=10_000) if event.type == "log"]
+    lines = [
+        event.data["message"] for event in running.events.after(DEFAULT_WORKSPACE, job.id, limit=10_000) if event.type == "log"
+    ]
     assert len(lines) == MAX_LOG_LINES
     assert lines[1:3] == ["line 0", "line 1"]
     assert lines[-1] == f"the log ends here: {MAX_LOG_LINES} lines"
@@ -182,7 +185,7 @@ def test_repeated_and_stale_messages_are_harmless(running: Service) -> None:
     assert (done.status, done.attempt, done.lease_token) == (JobStatus.SUCCESSFUL, 1, 1)
     running.doorbell.ring(job.id, 1)  # after its end
     time.sleep(0.2)
-    assert running.jobs.get(job.id) == done
+    assert running.jobs.get(DEFAULT_WORKSPACE, job.id) == done
 
 
 def _envelope(running: Service, job: Job) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import time
 import redis
 
 from store.job import Job, JobStatus
+from store.workspace import DEFAULT_WORKSPACE
 from tests.sandbox.ending import wait_for_end
 from tests.valkey import ValkeyServer
 from tests.worker.conftest import Service
@@ -19,7 +20,7 @@ from worker.workshop import Workshop
 
 def kill_owner(service: Service, job: Job) -> subprocess.Popen[bytes]:
     """SIGKILL the worker that has the job; the other one."""
-    pid = int(str(service.jobs.get(job.id).lease_owner).rpartition(":")[2])
+    pid = int(str(service.jobs.get(DEFAULT_WORKSPACE, job.id).lease_owner).rpartition(":")[2])
     [owner] = [worker for worker in service.workers if worker.pid == pid]
     owner.kill()
     owner.wait()
@@ -77,8 +78,8 @@ def test_a_worker_told_to_stop_ends_what_is_short_and_hands_back_what_is_long(se
     assert service.stop_workers(signal.SIGTERM) == [0]
     assert time.monotonic() - started < service.settings.drain_s + 5
     assert wait_for_end(children, 0.0) == []
-    assert service.jobs.get(short.id).status is JobStatus.SUCCESSFUL
-    handed_back = service.jobs.get(long.id)
+    assert service.jobs.get(DEFAULT_WORKSPACE, short.id).status is JobStatus.SUCCESSFUL
+    handed_back = service.jobs.get(DEFAULT_WORKSPACE, long.id)
     assert (handed_back.status, handed_back.attempt) == (JobStatus.ACCEPTED, 1)
     assert handed_back.rung_at is not None
     with redis.Redis(unix_socket_path=str(valkey.socket_path)) as client:

@@ -15,6 +15,7 @@ import pytest
 
 from store.job import Job, JobStatus, MeshInput
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.sandbox.ending import wait_for_end
 from tests.valkey import ValkeyServer
 from tests.worker.conftest import Service, make_settings
@@ -48,7 +49,7 @@ def service(warm: Workshop) -> Iterator[Service]:
 
 
 def claim(workshop: Workshop, act: str, **inputs: object) -> Job:
-    job = workshop.jobs.create("validate", {"act": act, **inputs})
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": act, **inputs})
     claimed = workshop.jobs.claim(job.id, 1, "me", 30)
     assert claimed is not None
     return claimed
@@ -63,7 +64,7 @@ def in_background(workshop: Workshop, job: Job) -> threading.Thread:
 def test_a_job_ends_without_any_broker(workshop: Workshop) -> None:
     job = claim(workshop, "write")
     supervise(workshop, job)
-    assert workshop.jobs.get(job.id).status is JobStatus.SUCCESSFUL
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.SUCCESSFUL
     assert list((workshop.settings.scratch_dir / "jobs").iterdir()) == []
 
 
@@ -74,7 +75,7 @@ def test_who_lost_the_lease_ends_the_child_and_writes_nothing(workshop: Workshop
     [lost] = workshop.jobs.expire_leases(datetime.now(UTC) + timedelta(days=1))
     thread.join(10)
     assert wait_for_end([child], 0.0) == []
-    assert workshop.jobs.get(job.id) == lost
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id) == lost
     assert (lost.status, lost.attempt) == (JobStatus.ACCEPTED, 2)
 
 
@@ -91,9 +92,9 @@ def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> N
 
 def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
     mesh = MeshInput("/v1/meshes/1", "skin", "0" * 64, "model/stl", "skin.stl")
-    job = workshop.jobs.create("validate", {}, mesh_inputs=[mesh])
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}, mesh_inputs=[mesh])
     run_job(workshop, job.id, 1)
-    failed = workshop.jobs.get(job.id)
+    failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "blob.missing"
 
@@ -101,18 +102,18 @@ def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
 def test_an_error_of_the_worker_itself_fails_the_job_and_goes_no_further(workshop: Workshop, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     broken = replace(workshop, settings=workshop.settings.model_copy(update={"data_dir": tmp_path / "file"}))
-    job = workshop.jobs.create("validate", {"act": "write"})
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
     run_job(broken, job.id, 1)
-    failed = workshop.jobs.get(job.id)
+    failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "worker.raised"
 
 
 def test_a_worker_that_stops_claims_nothing(workshop: Workshop) -> None:
-    job = workshop.jobs.create("validate", {"act": "write"})
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
     workshop.closing.begin()
     run_job(workshop, job.id, 1)
-    assert workshop.jobs.get(job.id).status is JobStatus.ACCEPTED
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.ACCEPTED
     assert list(workshop.closing.left) == [(job.id, 1)]
 
 
@@ -126,15 +127,15 @@ def test_a_job_can_be_dismissed_and_keeps_its_lease_while_the_nursery_loads(
     job = claim(workshop, "write")
     thread = in_background(workshop, job)
     time.sleep(settings.heartbeat_s + 0.3)
-    held = workshop.jobs.get(job.id)
+    held = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert job.lease_until is not None
     assert held.lease_until is not None
     assert held.lease_until < job.lease_until  # claimed for 30 s, renewed for lease_s
     asked = time.monotonic()
-    workshop.jobs.dismiss(job.id)
+    workshop.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     thread.join(10)
     assert time.monotonic() - asked < 2
-    assert workshop.jobs.get(job.id).status is JobStatus.DISMISSED
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.DISMISSED
     workshop.close()
 
 
@@ -143,7 +144,7 @@ def test_a_nursery_that_cannot_load_fails_the_job(settings: Settings) -> None:
     workshop.db.migrate()
     job = claim(workshop, "write")
     supervise(workshop, job)
-    failed = workshop.jobs.get(job.id)
+    failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "nursery.preload_failed"
     workshop.close()
@@ -161,6 +162,6 @@ def test_a_database_that_is_away_for_a_while_costs_nothing(settings: Settings, m
         assert thread.is_alive()
         other.execute("ROLLBACK")
     thread.join(15)
-    done = workshop.jobs.get(job.id)
+    done = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert (done.status, done.attempt) == (JobStatus.SUCCESSFUL, 1)
     workshop.close()

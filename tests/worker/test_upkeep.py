@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from tests.worker.conftest import ROOT
 from worker.job_folder import job_folder, sweep_job_folders
 from worker.liveness import Liveness
@@ -29,7 +30,7 @@ def workshop(settings: Settings) -> Iterator[Workshop]:
 
 def test_only_folders_nobody_works_in_are_swept(workshop: Workshop) -> None:
     scratch = workshop.settings.scratch_dir
-    running, waiting = (workshop.jobs.create("validate", {}) for _ in range(2))
+    running, waiting = (workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}) for _ in range(2))
     claimed = workshop.jobs.claim(running.id, 1, "me", 30)
     assert claimed is not None
     made = [f"{running.id}.{claimed.lease_token}", f"{running.id}.0", f"{waiting.id}.1", "no-job.1"]
@@ -41,7 +42,7 @@ def test_only_folders_nobody_works_in_are_swept(workshop: Workshop) -> None:
 
 
 def test_a_job_folder_goes_even_if_its_child_locked_it(workshop: Workshop) -> None:
-    job = workshop.jobs.create("validate", {})
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {})
     with job_folder(workshop.settings.scratch_dir, job) as folder:
         (folder / "inner").mkdir()
         (folder / "inner" / "file").touch()
@@ -50,7 +51,7 @@ def test_a_job_folder_goes_even_if_its_child_locked_it(workshop: Workshop) -> No
 
 
 def test_blobs_nobody_refers_to_are_swept_when_old(workshop: Workshop) -> None:
-    job = workshop.jobs.create("validate", {})
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {})
     claimed = workshop.jobs.claim(job.id, 1, "me", 30)
     assert claimed is not None
     old, young = workshop.blobs.put_bytes(b"old"), workshop.blobs.put_bytes(b"young")

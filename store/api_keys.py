@@ -1,0 +1,173 @@
+"""The table of API keys."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Sequence
+from datetime import datetime, timedelta
+from hmac import compare_digest
+
+from sqlalchemy import exists, inspect, select, update
+from sqlalchemy.orm import Session
+
+from core.errors import InputError, IntegumentError, StateError
+from store.api_key import ApiKey, IssuedKey
+from store.database import Database
+from store.key_text import make_key_text, read_key_text
+from store.records import ApiKeyRow, WorkspaceRow
+from store.scope import Scope
+from store.storable import storable_text
+from store.workspace import WorkspaceId
+
+USED_S = 60.0  # `last_used_at` is this exact: not every request should write
+_NOBODY = "0" * 64
+
+_log = logging.getLogger(__name__)
+
+
+class ApiKeys:
+    """Keys are never removed: what was done with one can always be told, and a server that once had keys never opens again."""
+
+    def __init__(self, db: Database) -> None:
+        self._db = db
+        self._any = False
+
+    def create(self, workspace: WorkspaceId, name: str, scopes: Iterable[Scope], lifetime: timedelta | None = None) -> IssuedKey:
+        """A new key, which only its SHA-256 stays of here. Raises StateError `workspace.not_found`."""
+        with self._db.session() as session:
+            if session.get(WorkspaceRow, workspace) is None:
+                raise StateError("workspace.not_found", f"there is no workspace {workspace[:80]}", workspace=workspace[:80])
+            return _issue(session, workspace, name, scopes, lifetime, self._db.now(session))
+
+    def list(self, workspace: WorkspaceId | None = None) -> Sequence[ApiKey]:
+        """The newest first; of all workspaces, or of one."""
+        query = select(ApiKeyRow).order_by(ApiKeyRow.created_at.desc(), ApiKeyRow.id)
+        if workspace is not None:
+            query = query.where(ApiKeyRow.workspace == workspace)
+        with self._db.reading() as session:
+            return [_key(row) for row in session.scalars(query)]
+
+    def rotate(self, key_id: str, overlap: timedelta) -> IssuedKey:
+        """A successor with the same rights and lifetime; both are good for `overlap`, then the old one expires.
+
+        Raises StateError `key.not_found`, `key.not_live`, `key.rotated`."""
+        with self._db.session() as session:
+            row, now = _known(session, key_id), self._db.now(session)
+            state = _key(row).state_at(now)
+            if state != "live":
+                raise StateError("key.not_live", f"key {key_id} is {state}; create a new one", key=key_id, state=state)
+            if row.replaced_by is not None:
+                raise StateError(
+                    "key.rotated", f"key {key_id} was rotated before, to {row.replaced_by}", key=key_id, successor=row.replaced_by
+                )
+            lifetime = None if row.expires_at is None else row.expires_at - row.created_at
+            issued = _issue(session, WorkspaceId(row.workspace), row.name, map(Scope, row.scopes), lifetime, now)
+            row.replaced_by = issued.key.id
+            row.expires_at = min(filter(None, (row.expires_at, now + overlap)))
+            return issued
+
+    def revoke(self, key_id: str) -> ApiKey:
+        """From the next request on it is worth nothing. Raises StateError `key.not_found`."""
+        with self._db.session() as session:
+            row = _known(session, key_id)
+            row.revoked_at = row.revoked_at or self._db.now(session)
+            return _key(row)
+
+    def authenticate(self, sent: str) -> ApiKey:
+        """The live key with this text.
+
+        Raises InputError `access.key_invalid` (no such key, or revoked), `access.key_expired`."""
+        text = read_key_text(sent)
+        if text is None:
+            raise _invalid()
+        with self._db.reading() as session:
+            row = session.get(ApiKeyRow, text.id)
+            # compared also where there is nothing to compare with: the time it takes tells nothing about ids
+            proven = compare_digest(row.digest if row is not None else _NOBODY, text.digest)
+            if row is None or not proven or row.revoked_at is not None:
+                raise _invalid()
+            key, now = _key(row), self._db.now(session)
+        if key.expires_at is not None and key.expires_at <= now:
+            raise InputError("access.key_expired", f"key {key.id} expired on {key.expires_at:%Y-%m-%d %H:%M} UTC", key=key.id)
+        if key.last_used_at is None or now - key.last_used_at > timedelta(seconds=USED_S):
+            self._note_use(key.id, now)
+        return key
+
+    def is_live(self, key_id: str) -> bool:
+        """True if requests with this key are still served."""
+        with self._db.reading() as session:
+            row = session.get(ApiKeyRow, key_id)
+            return row is not None and _key(row).state_at(self._db.now(session)) == "live"
+
+    def any(self) -> bool:
+        """True once a key was made, whatever became of it."""
+        if not self._any:
+            with self._db.reading() as session:
+                self._any = bool(session.scalar(select(exists().select_from(ApiKeyRow))))
+        return self._any
+
+    def any_live(self) -> bool:
+        """True if somebody has a key that is good now; False also where there is no such table yet."""
+        with self._db.reading() as session:
+            if not inspect(session.connection()).has_table(ApiKeyRow.__tablename__):
+                return False
+            now = self._db.now(session)
+            return any(_key(row).state_at(now) == "live" for row in session.scalars(select(ApiKeyRow)))
+
+    def _note_use(self, key_id: str, now: datetime) -> None:
+        try:
+            with self._db.session() as session:
+                session.execute(update(ApiKeyRow).where(ApiKeyRow.id == key_id).values(last_used_at=now))
+        except IntegumentError as error:  # a full disk must not keep anybody from reading
+            _log.warning("the use of key %s cannot be noted: %s", key_id, error)
+
+
+def _issue(
+    session: Session,
+    workspace: WorkspaceId,
+    name: str,
+    scopes: Iterable[Scope],
+    lifetime: timedelta | None,
+    now: datetime,
+) -> IssuedKey:
+    text = make_key_text()
+    row = ApiKeyRow(
+        id=text.id,
+        workspace=workspace,
+        name=storable_text(name, 200),
+        scopes=sorted({scope.value for scope in scopes}),
+        digest=text.digest,
+        created_at=now,
+        expires_at=None if lifetime is None else now + lifetime,
+        last_used_at=None,
+        revoked_at=None,
+        replaced_by=None,
+    )
+    session.add(row)
+    session.flush()
+    return IssuedKey(_key(row), text.text)
+
+
+def _known(session: Session, key_id: str) -> ApiKeyRow:
+    row = session.get(ApiKeyRow, key_id, with_for_update=True)
+    if row is None:
+        raise StateError("key.not_found", f"there is no key {key_id[:40]}", key=key_id[:40])
+    return row
+
+
+def _invalid() -> InputError:
+    return InputError("access.key_invalid", "this is no key of this server, or it was revoked")
+
+
+def _key(row: ApiKeyRow) -> ApiKey:
+    return ApiKey(
+        id=row.id,
+        workspace=WorkspaceId(row.workspace),
+        name=row.name,
+        scopes=frozenset(map(Scope, row.scopes)),
+        created_at=row.created_at,
+        expires_at=row.expires_at,
+        last_used_at=row.last_used_at,
+        revoked_at=row.revoked_at,
+        replaced_by=row.replaced_by,
+    )
