@@ -8,9 +8,11 @@ from core.mesh import Mesh
 from core.reports.figures.compose import draw_mesh_figures
 from core.schema.reference import MeshReference
 from core.schema.shells import Layer, ShellsInputs
+from core.schema.smooth import SmoothInputs
 from core.shells.nested_shells import create_shells
 from core.shells.reconnect import Remedy, reconnect
 from core.shells.sheet import Sheet
+from core.smoothing.smooth import smooth
 from core.validation.validate import validate
 
 SIZE_MM = 100.0
@@ -38,4 +40,6 @@ def warm_up() -> None:
     reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything)
     pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
     create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
+    for method in ("wcc", "taubin"):
+        smooth({"cube": cube}, SmoothInputs(mesh=inputs.skin, method=method, retriangulate=True))
     triangulate_band(cube.vertices[[0, 4, 6, 2]], cube.vertices[[1, 5, 7, 3]])

@@ -57,10 +57,12 @@ class GuardedSurface:
     @classmethod
     def of(cls, mesh: Mesh, chosen: Ints, clearance: Clearance) -> GuardedSurface:
         """A surface that is free of self-intersection, rounded to float32, and keeps the clearance to its obstacles."""
-        net = Connectivity.of(mesh.faces, len(mesh.vertices))
-        surface = MovingSurface(mesh.vertices, mesh.faces)
-        nobody, never = np.empty(0, np.bool_), np.zeros(len(mesh.vertices), dtype=np.int64)
-        state = cls(mesh.vertices, net, surface, chosen, _faces_of(net, chosen), nobody, clearance, never)
+        # writable copies, as all later states are: numba would compile every kernel again for read-only ones
+        vertices, faces = mesh.vertices.copy(), mesh.faces.copy()
+        net = Connectivity.of(faces, len(vertices))
+        surface = MovingSurface(vertices, faces)
+        nobody, never = np.empty(0, np.bool_), np.zeros(len(vertices), dtype=np.int64)
+        state = cls(vertices, net, surface, chosen, _faces_of(net, chosen), nobody, clearance, never)
         state._find_crowded()
         return state
 

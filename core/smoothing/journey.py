@@ -46,9 +46,10 @@ class Journey:
     def of(cls, name: str, mesh: Mesh, company: Company, state: GuardedSurface, within: Flags, inputs: SmoothInputs) -> Journey:
         """At the start; a surface without vertices to move is at rest at once."""
         closed = company.is_closed(name)
-        first = measure_progress(0, mesh.vertices, mesh.vertices, mesh.faces, state.faces_asked, closed=closed)
+        vertices, faces = state.vertices, state.net.faces
+        first = measure_progress(0, vertices, vertices, faces, state.faces_asked, closed=closed)
         original, rests = Original(mesh.vertices, company.tree(name)), len(state.chosen) == 0
-        return cls(name, original, company, state, within, inputs, [first], 0, 0, rests, mesh.vertices, mesh.faces)
+        return cls(name, original, company, state, within, inputs, [first], 0, 0, rests, vertices, faces)
 
     def go(self, iteration: int) -> None:
         """One iteration among the company; comes to rest where nothing is gained."""
