@@ -8,41 +8,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.geometry.deviation import Deviation
 from core.mesh import Mesh
 from core.schema.finding import Finding
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Deviation:
-    """Distances between original and result over both surfaces, sampled in vertices and inside faces, weighted by area."""
-
-    max_mm: float  # two-sided Hausdorff distance over the samples
-    rms_mm: float
-    mean_mm: float
-    original_to_result_mm: float  # the two one-sided maxima
-    result_to_original_mm: float
-    samples: int
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Decimated:
     """One decimated surface with fields for maps.
 
-    mesh: (V', 3), (F', 3), exact in float32. original: what was decimated, rounded to float32, (V, 3), (F, 3).
-    vertex_deviation_mm: (V',) from each vertex of the result to the original. original_deviation_mm: (V,) from each vertex of
-    the original to the result. curvature_before_deg, curvature_after_deg: (F,), (F',) mean angle between the normal of a
-    face and those of its three neighbours (thesis Ch. 3), of the original and of the result.
-    changes, findings: for the report.
+    mesh: (V', 3), (F', 3), exact in float32. original: what was decimated, rounded to float32, without unused vertices.
+    deviation: both ways, at vertices and in the middles of faces. max_deviation_mm: the largest, sampled more densely within
+    the faces of the result. vertex_deviation_mm: (V',) from the result's vertices to the original; original_deviation_mm:
+    (V,) the other way. curvature_before_deg, curvature_after_deg: (F,), (F',) the mean angle between the normal of a face
+    and those of its neighbours (thesis Ch. 3). changes, findings: for the report.
     """
 
     mesh: Mesh
     original: Mesh
     deviation: Deviation
-    vertex_deviation_mm: Floats
-    original_deviation_mm: Floats
+    max_deviation_mm: float
     curvature_before_deg: Floats
     curvature_after_deg: Floats
     changes: tuple[dict[str, Any], ...]
     findings: tuple[Finding, ...]
+
+    @property
+    def vertex_deviation_mm(self) -> Floats:
+        """From each vertex of the result to the original, (V',)."""
+        return self.deviation.back.at_vertices
+
+    @property
+    def original_deviation_mm(self) -> Floats:
+        """From each vertex of the original to the result, (V,)."""
+        return self.deviation.forth.at_vertices
