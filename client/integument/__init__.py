@@ -24,12 +24,14 @@ from integument.mesh import Mesh
 from integument.problem import Problem
 from integument.process import Process
 from integument.region import Region
-from integument.report import Finding, MeshNumbers, PairNumbers, Report, ThicknessNumbers
+from integument.report import ComparisonNumbers, DeviationNumbers, Finding, MeshNumbers, PairNumbers, Report, ThicknessNumbers
 from integument.result import Output, Results
 
 __all__ = [
     "ArgumentError",
     "Client",
+    "ComparisonNumbers",
+    "DeviationNumbers",
     "DownloadCorruptError",
     "EmbeddedServer",
     "EmbeddedServerError",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -24,19 +24,15 @@ from integument.process import Process
 from integument.region import Region
 from integument.report import Report
 from integument.result import Output, Results
+from integument.surface_processes import MeshInput, OnEvent, SurfaceProcesses, Unit
 from integument.transport import Transport
 from integument.upload import OnBytes, Source, opened
-
-Unit = Literal["m", "cm", "mm", "in"]
-OnEvent = Callable[[JobEvent], None]
-MeshInput = Mesh | Output | Source
-"""A mesh the server holds, an output of a job, `/v1/...`, or a file, bytes or open file to upload first."""
 
 DEFAULT_URL = "http://127.0.0.1:8000"
 INTAKE_TIMEOUT_S = 300.0  # an upload is answered when the server has read and checked the mesh
 
 
-class Client:
+class Client(SurfaceProcesses):
     """Talks to one server.
 
     url: the server; without it INTEGUMENT_URL, else http://127.0.0.1:8000, where `integument serve` listens.

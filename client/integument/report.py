@@ -58,6 +58,23 @@ class ThicknessNumbers(Answer):
     min_mm: float | None = None
 
 
+class DeviationNumbers(Answer):
+    """Distances to the surface it was made from, in mm."""
+
+    maximum_mm: float
+    rms_mm: float | None = None
+
+
+class ComparisonNumbers(Answer):
+    """A surface against the one it was made from; changes are shares."""
+
+    before: MeshNumbers
+    deviation: DeviationNumbers
+    kept_vertices: int | None = None
+    area_change: float | None = None
+    volume_change: float | None = None
+
+
 class Report(Answer):
     """The report of one job."""
 
@@ -67,6 +84,7 @@ class Report(Answer):
     meshes: dict[str, MeshNumbers] = {}
     pairs: tuple[PairNumbers, ...] = ()
     thickness: dict[str, ThicknessNumbers] = {}
+    comparisons: dict[str, ComparisonNumbers] = {}
     nesting: dict[str, str | None] = {}
     findings: tuple[Finding, ...] = ()
     timings_s: dict[str, float] = {}

@@ -12,7 +12,8 @@ DOCS = (Path(__file__).resolve().parents[2] / "docs" / "cli.md").read_text(encod
 def options() -> set[str]:
     group = get_command(app)
     params = [*group.params, *(param for command in group.commands.values() for param in command.params)]
-    return {name for param in params if not getattr(param, "hidden", False) for name in param.opts if name.startswith("-")}
+    shown = [param for param in params if not getattr(param, "hidden", False)]
+    return {name for param in shown for name in (*param.opts, *param.secondary_opts) if name.startswith("-")}
 
 
 def test_every_command_is_documented() -> None:

@@ -13,7 +13,7 @@ from integument.cli.exit_code import ExitCode
 from integument.cli.progress import ProgressView
 from integument.cli.screen import Screen
 from integument.cli.session import Options, Session
-from integument.cli.verdict_table import finding_lines, mesh_table, verdict_line
+from integument.cli.verdict_table import comparison_table, finding_lines, mesh_table, verdict_line
 from integument.errors import ArgumentError, JobError, ProblemError
 from integument.job import Job
 from integument.report import Report
@@ -87,6 +87,8 @@ def _show(screen: Screen, job: Job, report: Report | None, files: Mapping[str, s
             screen.show(verdict_line(report, job.seconds))
         if report.meshes:
             screen.show(mesh_table(report))
+        if report.comparisons:
+            screen.show(comparison_table(report))
         for line in finding_lines(report.findings):
             screen.show(line)
     for name, path in files.items():

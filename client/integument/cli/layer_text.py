@@ -15,6 +15,7 @@ NO_NUMBERS = ("nan", "inf", "infinity")  # words for numbers, not names of array
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
 BOX_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax"
+RATIO_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:ratio"
 
 
 def read_layers(outer: Iterable[str], inner: Iterable[str]) -> list[dict[str, Any]]:
@@ -28,6 +29,15 @@ def read_layers(outer: Iterable[str], inner: Iterable[str]) -> list[dict[str, An
 def read_depths(texts: Iterable[str], option: str) -> dict[str, float]:
     """Layer -> depth in mm, in the order given. Raises: ArgumentError."""
     return _read_named(texts, option, _read_depth)
+
+
+def read_ratio_region(text: str) -> dict[str, Any]:
+    """A region with the share of its faces that stays, as the server takes it. Raises: ArgumentError that shows the form."""
+    where = f"--region {text}"
+    box, sign, ratio = text.rpartition(":")
+    if not sign or box.count(":") != 2:
+        raise ArgumentError(f"{where}: wanted is {RATIO_FORM}")
+    return {**read_box(box), "ratio": _read_number(ratio, where)}
 
 
 def _read_named(texts: Iterable[str], option: str, read: Callable[[str, str], tuple[str, Depth]]) -> dict[str, Depth]:

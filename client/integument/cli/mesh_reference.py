@@ -7,7 +7,7 @@ from pathlib import Path
 from integument.cli.mesh_argument import is_held
 from integument.cli.progress import ProgressView
 from integument.cli.session import Session
-from integument.client import Unit
+from integument.surface_processes import Unit
 
 
 def refer_to(session: Session, view: ProgressView, mesh: str, unit: Unit) -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 
 import typer
 
-from integument.client import Unit
+from integument.surface_processes import Unit
 
 SkinArgument: TypeAlias = Annotated[
     str, typer.Argument(help="Mesh file (STL, MAT, PLY, OBJ), or /v1/meshes/{id} of one the server holds.")

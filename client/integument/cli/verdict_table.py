@@ -42,6 +42,26 @@ def mesh_table(report: Report) -> Table:
     return table
 
 
+def comparison_table(report: Report) -> Table:
+    """A row per surface that was made from another one: what became of it."""
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("before and after")
+    for title in ("faces", "deviation mm", "rms mm", "volume", "min q"):
+        table.add_column(title, justify="right")
+    for name, numbers in report.comparisons.items():
+        before, after = numbers.before, report.meshes[name]
+        qualities = [None if mesh.quality is None else mesh.quality.minimum for mesh in (before, after)]
+        table.add_row(
+            name,
+            f"{before.faces:,} → {after.faces:,}",
+            _number(numbers.deviation.maximum_mm, ".3g"),
+            _number(numbers.deviation.rms_mm, ".2g"),
+            _number(numbers.volume_change, "+.3%"),
+            f"{_number(qualities[0], '.3f')} → {_number(qualities[1], '.3f')}",
+        )
+    return table
+
+
 def finding_lines(findings: tuple[Finding, ...]) -> list[Text]:
     """The worst first, at most twenty."""
     order = {"error": 0, "warning": 1, "info": 2}

@@ -1,0 +1,175 @@
+"""The commands that turn surfaces into surfaces: `heal`, `decimate`, `smooth`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import BOX_FORM, RATIO_FORM, read_box, read_ratio_region
+from integument.cli.options import MinGapOption, ReportOption, SurfaceOption, SurfacesArgument, UnitOption
+from integument.cli.session import connect
+from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
+from integument.errors import ArgumentError
+from integument.surface_processes import Unit
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.command()(heal)
+    app.command()(decimate)
+    app.command()(smooth)
+
+
+def heal(
+    ctx: typer.Context,
+    surfaces: SurfacesArgument,
+    unit: UnitOption = "mm",
+    pieces: Annotated[
+        Literal["keep_largest", "keep_above", "keep_all"] | None,
+        typer.Option(help="Which pieces stay; default keep_largest."),
+    ] = None,
+    min_piece_share: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="For keep_above: smallest area, as share of the largest piece's.")
+    ] = None,
+    fill_holes: Annotated[bool, typer.Option("--fill-holes/--no-fill-holes", help="Fill holes, or refuse them.")] = True,
+    max_hole: Annotated[float | None, typer.Option(metavar="MM", help="Longest rim of a hole that is filled.")] = None,
+    weld_tolerance: Annotated[float | None, typer.Option(metavar="MM", help="Borders this near each other are joined.")] = None,
+    staircase: Annotated[bool, typer.Option("--staircase", help="Smooth the steps of a surface made from voxels.")] = False,
+    max_deviation: Annotated[
+        float | None, typer.Option(metavar="MM", help="Refuse to move the surface farther; default 5.")
+    ] = None,
+    max_volume_change: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Refuse to change the volume more; default 0.05.")
+    ] = None,
+    max_area_change: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Refuse to change the area more; default 0.25.")
+    ] = None,
+    min_gap: MinGapOption = None,
+    output: SurfaceOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Make defective surfaces closed, manifold and free of self-intersection, with the smallest change."""
+    inputs = _given(
+        pieces=pieces,
+        min_piece_share=min_piece_share,
+        fill_holes=None if fill_holes else False,
+        max_hole_mm=max_hole,
+        weld_tolerance_mm=weld_tolerance,
+        staircase=staircase or None,
+        max_deviation_mm=max_deviation,
+        max_volume_change=max_volume_change,
+        max_area_change=max_area_change,
+        min_gap_mm=min_gap,
+    )
+    _run(ctx, "heal", surfaces, unit, inputs, output, report)
+
+
+def decimate(
+    ctx: typer.Context,
+    surfaces: SurfacesArgument,
+    unit: UnitOption = "mm",
+    ratio: Annotated[float | None, typer.Option(metavar="SHARE", help="Share of the faces that stays.")] = None,
+    faces: Annotated[int | None, typer.Option(metavar="N", help="Largest number of faces of the result.")] = None,
+    max_deviation: Annotated[
+        float | None, typer.Option(metavar="MM", help="As few faces as keep result and original this near each other.")
+    ] = None,
+    method: Annotated[
+        Literal["curvature", "quadric"], typer.Option(help="Flattest places first, or smallest distance to the former planes.")
+    ] = "curvature",
+    region: Annotated[
+        list[str] | None, typer.Option(metavar="REGION", help=f"A box with a share of its own, in mm; repeat. {RATIO_FORM}")
+    ] = None,
+    smooth_weight: Annotated[
+        float | None, typer.Option(metavar="WEIGHT", help="Smoothing around collapses, 0 to 1; default 0.8.")
+    ] = None,
+    literal: Annotated[bool, typer.Option("--literal", help="Appendix A of the thesis, without guards; for comparison.")] = False,
+    min_gap: MinGapOption = None,
+    output: SurfaceOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Thin surfaces out where they are flattest, one or a whole package together."""
+    given = [
+        name for name, value in (("--ratio", ratio), ("--faces", faces), ("--max-deviation", max_deviation)) if value is not None
+    ]
+    if len(given) != 1:
+        raise ArgumentError(f"exactly one of --ratio, --faces and --max-deviation is wanted, got {' and '.join(given) or 'none'}")
+    inputs = _given(
+        target_ratio=ratio,
+        target_faces=faces,
+        max_deviation_mm=max_deviation,
+        method=method,
+        regions=[read_ratio_region(text) for text in region or ()] or None,
+        smooth_weight=smooth_weight,
+        literal=literal or None,
+        min_gap_mm=min_gap,
+    )
+    _run(ctx, "decimate", surfaces, unit, inputs, output, report)
+
+
+def smooth(
+    ctx: typer.Context,
+    surfaces: SurfacesArgument,
+    unit: UnitOption = "mm",
+    method: Annotated[
+        Literal["standard", "lumped", "cvt", "wcc", "hc", "taubin"], typer.Option(help="Thesis Eqs. 3.1 to 3.4, Vollmer, Taubin.")
+    ] = "hc",
+    iterations: Annotated[int | None, typer.Option(metavar="N", help="At most so many; default 20.")] = None,
+    stop: Annotated[
+        Literal["quality", "iterations"] | None,
+        typer.Option(help="End when the lowest quality no longer rises (default), or make all iterations."),
+    ] = None,
+    weight: Annotated[
+        float | None, typer.Option(metavar="WEIGHT", help="Share of the way in one iteration, of Eqs. 3.1-3.4.")
+    ] = None,
+    along_surface: Annotated[bool, typer.Option("--along-surface", help="Keep vertices on the surface.")] = False,
+    max_shift: Annotated[float | None, typer.Option(metavar="MM", help="No vertex goes farther from where it was.")] = None,
+    retriangulate: Annotated[bool, typer.Option("--retriangulate", help="Flip edges towards Delaunay in between.")] = False,
+    region: Annotated[
+        list[str] | None, typer.Option(metavar="BOX", help=f"Smooth only in this box; repeat. {BOX_FORM} in mm")
+    ] = None,
+    min_gap: MinGapOption = None,
+    output: SurfaceOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Better triangles or less noise, without self-intersection."""
+    inputs = _given(
+        method=method,
+        iterations=iterations,
+        stop=stop,
+        weight=weight,
+        along_surface=along_surface or None,
+        max_shift_mm=max_shift,
+        retriangulate=retriangulate or None,
+        regions=[read_box(text) for text in region or ()] or None,
+        min_gap_mm=min_gap,
+    )
+    _run(ctx, "smooth", surfaces, unit, inputs, output, report)
+
+
+def _given(**inputs: Any) -> dict[str, Any]:
+    """What was typed; the server's defaults hold for the rest."""
+    return {name: value for name, value in inputs.items() if value is not None}
+
+
+def _run(
+    ctx: typer.Context,
+    process: str,
+    texts: list[str],
+    unit: Unit,
+    inputs: dict[str, Any],
+    output: Path | None,
+    report: Path | None,
+) -> None:
+    options = options_of(ctx)
+    surfaces = read_surfaces(texts)
+    wanted = Wanted({} if output is None else {surfaces.output: output}, report)
+    wanted.require_room()
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs |= refer_to_surfaces(session, view, surfaces, unit)
+        raise typer.Exit(run_to_end(session, options, process, inputs, wanted))
