@@ -136,7 +136,7 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
         a, count, scratch.rim, scratch.normals, scratch.room,
     ):  # fmt: skip
         reason = CROWDED
-    elif nearness.limit_mm > 0.0 and not stays_near(points, state.next_member, a, b, count, scratch.rim, nearness):
+    elif nearness.asked and not stays_near(points, state.next_member, a, b, count, scratch.rim, nearness):
         reason = FAR
     if reason != DONE:
         points[a, 0], points[a, 1], points[a, 2] = old_x, old_y, old_z
@@ -152,6 +152,8 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
     for i in range(len(state.quadrics[a])):
         state.quadrics[a, i] += state.quadrics[b, i]
     state.fixed[a] |= state.fixed[b]
+    if nearness.asked:
+        nearness.limits_mm[a] = min(nearness.limits_mm[a], nearness.limits_mm[b])
     state.room[state.label[first]] -= 1
     state.room[state.label[second]] -= 1
     return DONE

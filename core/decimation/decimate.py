@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
@@ -14,7 +15,7 @@ from core.decimation.curvature import mean_neighbour_angles_deg
 from core.decimation.decimated import Decimated
 from core.decimation.dense_samples import measure_densely
 from core.decimation.literal import collapse_literally
-from core.decimation.nearness import ANYWHERE
+from core.decimation.nearness import ANYWHERE, Nearness
 from core.decimation.plan import Plan, make_plans
 from core.decimation.room import NO_OBSTACLES, Obstacles
 from core.decimation.thinned import Means, Thinned, thinned
@@ -32,8 +33,9 @@ from core.validation.requirements import require_closed_surface
 Flags = NDArray[np.bool_]
 
 OWN_CLEARANCE_MM = 1e-3  # between faces of one surface that share no corner, where new ones appear
-ATTEMPTS = 8  # with more and more vertices locked where the proof found a fault
-LIMIT_SHARE = 0.9  # of max_deviation_mm is given to single collapses; between their samples it may be a little more
+ATTEMPTS = 12  # with more and more care where the proof found a fault
+TIGHTER = 0.7  # a limit of deviation is lowered by this where it was not kept
+LIMIT_SHARE = 0.95  # of max_deviation_mm is given to single collapses; between their samples it may be a little more
 
 
 def decimate(surfaces: Mapping[str, Mesh], inputs: DecimateInputs, run: RunContext = SILENT) -> dict[str, Decimated]:
@@ -74,31 +76,44 @@ def decimate(surfaces: Mapping[str, Mesh], inputs: DecimateInputs, run: RunConte
 
 def _decimate_one(name: str, mesh: Mesh, plan: Plan, others: list[Mesh], inputs: DecimateInputs, run: RunContext) -> Decimated:
     """Thin, prove, and where the proof fails lock the place and thin again."""
-    limit = inputs.max_deviation_mm or 0.0
-    tree = FaceTree.of(mesh.vertices, mesh.faces) if limit else None
-    nearness = ANYWHERE
-    if tree is not None:
-        nearness = ANYWHERE._replace(limit_mm=LIMIT_SHARE * limit, boxes=tree.boxes, corners=tree.corners, leaves=tree.leaves)
+    limit = inputs.max_deviation_mm or math.inf
+    nearness = _nearness(mesh, inputs.max_deviation_mm)
     means = Means(inputs.method == "curvature", inputs.smooth_weight, OWN_CLEARANCE_MM, _obstacles(others, inputs.min_gap_mm))
     locked = np.zeros(len(mesh.vertices), dtype=np.bool_)
     for attempt in range(ATTEMPTS):
         made = thinned(mesh, plan, locked, nearness, means, run.stage(f"decimate: {name}", 0.0, 0.8))
         pairs = find_intersecting_faces(made.mesh.vertices, made.mesh.faces)
-        faulty = np.zeros(len(made.mesh.vertices), dtype=np.bool_)
-        faulty[made.mesh.faces[pairs.ravel()].ravel()] = True
-        result = _account(name, mesh, made, plan, inputs) if len(pairs) == 0 else None
-        if result is not None:
-            if not limit or result.max_deviation_mm <= limit:
-                return result
-            faulty = _find_far(result, made, mesh, limit)
-        # a face that runs through another may have been let pass unseen once, not twice
-        if means.thorough or limit:
-            locked |= _around(mesh, faulty[made.stand_in])
-        means = replace(means, thorough=True)
-        run.log(f"{name}: attempt {attempt + 1} left {int(faulty.sum()):,} vertices in doubt; they are locked and thinned again")
+        if len(pairs):
+            crossing = np.zeros(len(made.mesh.vertices), dtype=np.bool_)
+            crossing[made.mesh.faces[pairs.ravel()].ravel()] = True
+            # what crosses may have been let pass unasked once, not twice
+            if means.thorough:
+                locked |= _around(mesh, crossing[made.stand_in])
+            means = replace(means, thorough=True)
+            run.log(
+                f"{name}: attempt {attempt + 1} left {len(pairs):,} crossing pairs of faces; thinned again, with more care there"
+            )
+            continue
+        result = _account(name, mesh, made, plan, inputs)
+        if result.max_deviation_mm <= limit:
+            return result
+        far = _around(mesh, _find_far(result, made, mesh, limit)[made.stand_in])
+        nearness.limits_mm[far] *= TIGHTER
+        run.log(
+            f"{name}: attempt {attempt + 1} deviates by up to {result.max_deviation_mm:.4g} mm; thinned again, with tighter "
+            f"limits at {int(far.sum()):,} vertices"
+        )
     raise InternalError(
         "decimate.not_proven", f"{name}: {ATTEMPTS} attempts left faces that cross or deviate too far", attempts=ATTEMPTS
     )
+
+
+def _nearness(mesh: Mesh, limit_mm: float | None) -> Nearness:
+    if limit_mm is None:
+        return ANYWHERE
+    tree = FaceTree.of(mesh.vertices, mesh.faces)
+    limits = np.full(len(mesh.vertices), LIMIT_SHARE * limit_mm)
+    return ANYWHERE._replace(asked=True, limits_mm=limits, boxes=tree.boxes, corners=tree.corners, leaves=tree.leaves)
 
 
 def _find_far(result: Decimated, made: Thinned, mesh: Mesh, limit: float) -> Flags:

@@ -16,12 +16,14 @@ Int32s = NDArray[np.int32]
 
 
 class Nearness(NamedTuple):
-    """limit_mm: 0 asks nothing. boxes, corners, leaves: the `FaceTree` of the original. members: (V, 3) its vertices.
+    """asked: False asks nothing. limits_mm: (V,) how far the surface may be around each vertex; a vertex that takes another in
+    gets the lower of both. boxes, corners, leaves: the `FaceTree` of the original. members: (V, 3) its vertices.
 
     corner: (1, 3, 3) and stack: (256,) are scratch.
     """
 
-    limit_mm: float
+    asked: bool
+    limits_mm: Floats
     boxes: Floats
     corners: Floats
     leaves: int
@@ -30,17 +32,19 @@ class Nearness(NamedTuple):
     stack: Ints
 
 
-ANYWHERE = Nearness(0.0, np.empty((0, 6)), np.empty((0, 3, 3)), 0, np.empty((0, 3)), np.empty((1, 3, 3)), np.empty(256, np.int64))
+ANYWHERE = Nearness(
+    False, np.empty(0), np.empty((0, 6)), np.empty((0, 3, 3)), 0, np.empty((0, 3)), np.empty((1, 3, 3)), np.empty(256, np.int64)
+)
 
 
 @njit(cache=True, nogil=True)
 def stays_near(points: Floats, next_member: Int32s, a: int, b: int, count: int, rim: Int32s, nearness: Nearness) -> bool:
     """True if the new faces (a, rim[i, 0], rim[i, 1]) keep to the limit both ways.
 
-    Asked are, of the new faces, the vertex, the middles of the sides that lead to it and of the faces; of the original, the
-    vertices that were merged into a and b.
+    b: -1 if a alone moved. Asked are, of the new faces, the vertex, the middles of the sides that lead to it and of the
+    faces; of the original, the vertices that were merged into a and b.
     """
-    limit = nearness.limit_mm**2
+    limit = min(nearness.limits_mm[a], nearness.limits_mm[b if b >= 0 else a]) ** 2
     x, y, z = points[a, 0], points[a, 1], points[a, 2]
     if not _is_near(x, y, z, limit, nearness):
         return False

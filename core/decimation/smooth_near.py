@@ -90,7 +90,7 @@ def _smooth(
         points, ids, state.normals, state.boxes, obstacles, guards.own_mm, guards.thorough, scratch.token[0],
         scratch.face_stamp, vertex, count, scratch.rim, scratch.normals, scratch.room,
     )  # fmt: skip
-    if fits and nearness.limit_mm > 0.0:
+    if fits and nearness.asked:
         fits = stays_near(points, state.next_member, vertex, GONE, count, scratch.rim, nearness)
     if not fits:
         points[vertex, 0], points[vertex, 1], points[vertex, 2] = ox, oy, oz

@@ -55,11 +55,14 @@ def thinned(mesh: Mesh, plan: Plan, locked: Flags, nearness: Nearness, means: Me
     Keeps closed manifold and genus. Crossings are left to the exact test of the caller, who may ask to be `thorough`.
     """
     state, numbering = begin(mesh, plan.label, plan.room, plan.fixed | locked)
-    if nearness.limit_mm > 0.0:
-        nearness = nearness._replace(members=np.ascontiguousarray(mesh.vertices[numbering.vertex]))
+    if nearness.asked:
+        nearness = nearness._replace(
+            limits_mm=nearness.limits_mm[numbering.vertex], members=np.ascontiguousarray(mesh.vertices[numbering.vertex])
+        )
     scratch, counts = Scratch.of(state), np.zeros(len(REASONS), dtype=np.int64)
     left = first = len(mesh.faces)
-    for least_quality in LEAST_QUALITIES:
+    # a number of faces is worth slivers if nothing else leads to it, a deviation is not
+    for least_quality in LEAST_QUALITIES[:1] if nearness.asked else LEAST_QUALITIES:
         guards = Guards(least_quality, means.own_mm, means.thorough)
         while left > plan.goal:
             goal = max(plan.goal, int(ROUND * left))
