@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
+from core.geometry.adjacency import edges
 from core.mesh import Faces
 
 Floats = NDArray[np.float64]
@@ -33,6 +34,20 @@ def fair(points: Floats, faces: Faces, free: Flags, order: int) -> Floats:
         part = stiffness[rows]
         stiffness = csc_array(part.T @ diags_array(1.0 / mass[rows]) @ part)
     inner = stiffness[free]
+    moved = points.copy()
+    moved[free] = splu(csc_array(inner[:, free])).solve(-(inner[:, ~free] @ points[~free]))
+    return moved
+
+
+def spread(points: Floats, faces: Faces, free: Flags) -> Floats:
+    """Move the free points (P,) so that each lies in the middle of its neighbours; the others stay."""
+    if not free.any():
+        return points
+    ends = edges(faces).ends
+    weight = np.ones(len(ends))
+    graph = coo_array((weight, (ends[:, 0], ends[:, 1])), shape=(len(points), len(points)))
+    graph = csc_array(graph + graph.T)
+    inner = (diags_array(graph.sum(axis=0)) - graph)[free]
     moved = points.copy()
     moved[free] = splu(csc_array(inner[:, free])).solve(-(inner[:, ~free] @ points[~free]))
     return moved

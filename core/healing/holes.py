@@ -15,7 +15,7 @@ from core.geometry.degenerate import find_degenerate_faces
 from core.healing.borders import border_sides, find_loops
 from core.healing.bridging import join_rims
 from core.healing.change import Change, Staged
-from core.healing.fairing import fair
+from core.healing.fairing import fair, spread
 from core.healing.local_crossings import find_crossings_of
 from core.healing.loop_triangulation import triangulate_loop
 from core.healing.patch_refinement import flip_to_delaunay, refine
@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 REFINED, STRETCHED, BARE = range(3)  # ways to fill a hole, from the best to the safest
+FINENESS = 0.75  # of the length of the rim's edges: a hole of one missing vertex gets one again
 FAIRINGS = 3  # a bulge is larger than the membrane it grew from, so faces are refined again
 
 
@@ -137,9 +138,12 @@ def _shape(vertices: Vertices, faces: Faces, bare: _Patches) -> tuple[_Patches, 
     old = len(points)
     outside = edges(ring)
     size, taken = _sizes(points, edges(patches)), outside.ends
-    for _ in range(FAIRINGS):
+    for number in range(FAIRINGS):
         points, patches, patch, size = refine(points, patches, patch, size, taken)
         free = np.arange(len(points)) >= old
+        if number == 0:
+            points = spread(points, patches, free)
+            patches = flip_to_delaunay(points, patches, taken)
         everything = np.concatenate((ring, patches))
         points = fair(points, everything, free, order=2)
         patches = flip_to_delaunay(points, patches, taken)
@@ -157,11 +161,11 @@ def _rounded(points: Floats) -> Floats:
 
 
 def _sizes(points: Floats, found: Edges) -> Floats:
-    """Mean length of the rim's edges at each point, (P,) mm; 0 at other points."""
+    """Length wanted of edges at each point of the rims, (P,) mm; 0 at other points."""
     ends = found.ends[found.face_count == 1]
     lengths = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     count = np.bincount(ends.ravel(), minlength=len(points))
-    sizes: Floats = np.bincount(ends.ravel(), np.repeat(lengths, 2), minlength=len(points)) / np.maximum(count, 1)
+    sizes: Floats = np.bincount(ends.ravel(), np.repeat(FINENESS * lengths, 2), minlength=len(points)) / np.maximum(count, 1)
     return sizes
 
 

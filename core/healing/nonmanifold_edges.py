@@ -19,7 +19,8 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
-FIN_SHARE = 0.5  # of the area of all that hangs together: a sheet with a free border and less is a fin
+FIN_SHARE = 0.5  # of the area of all that hangs together: a loose sheet with less is a fin
+FREE_SHARE = 0.2  # of a sheet's rim: if more has no other face it is loose; a wall with a slit is not
 INSIDE_SCORE = 0.3  # what the body on both sides adds to the share of edges at which a sheet is the odd one out
 WALL_SCORE = 0.5  # a sheet above it is an inner wall beyond doubt
 WALLS_TRIED = 64  # sheets for which the winding number of the rest is computed; of more, the smallest area decides
@@ -55,8 +56,12 @@ class Sheets:
         self.sheet = self.of_face[row]  # of each face at a crowded edge
         self.face_count = found.face_count[numbers]
         self.area = np.bincount(self.of_face, weights=face_areas(vertices, faces), minlength=self.count)
-        border = (found.face_count[found.of_face] == 1).any(axis=1)
-        self.has_border = np.bincount(self.of_face[border], minlength=self.count) > 0
+        lengths = np.linalg.norm(vertices[found.ends[:, 0]] - vertices[found.ends[:, 1]], axis=1)[found.of_face]
+        free, held = (
+            np.bincount(self.of_face, weights=(lengths * where).sum(axis=1), minlength=self.count)
+            for where in (found.face_count[found.of_face] == 1, found.face_count[found.of_face] > 2)
+        )
+        self.is_loose = free > FREE_SHARE * (free + held)
         _groups, self.group = label_connected(self.count + len(numbers), self.sheet, self.count + self.edge)
         self.group = self.group[: self.count]
         self.group_area = np.bincount(self.group, weights=self.area)
@@ -108,9 +113,9 @@ Find = Callable[[Vertices, Faces, Sheets], Ints]
 
 
 def _find_fins(vertices: Vertices, faces: Faces, sheets: Sheets) -> Ints:
-    """Small sheets with a border."""
+    """Small sheets much of whose rim is free."""
     small = sheets.area < FIN_SHARE * sheets.group_area[sheets.group]
-    fins = np.flatnonzero(sheets.has_border & small)
+    fins = np.intersect1d(np.flatnonzero(sheets.is_loose & small), sheets.sheet)
     return sheets.choose(fins[np.argsort(sheets.area[fins], kind="stable")], None)
 
 

@@ -16,7 +16,7 @@ DENSITY = np.sqrt(2.0)  # a face gets a vertex in its middle if this times the w
 ROUNDS = 24  # each multiplies the faces by up to three
 SWEEPS = 60
 SMALLEST_GAIN = 1e-6  # radians, so that equal pairs of angles are not flipped back and forth
-LARGEST_TURN = 0.3  # cosine: a flipped pair may not look elsewhere than the pair before
+LARGEST_TURN = 0.7  # cosine: a flipped pair may not look elsewhere than the pair before
 
 
 def refine(points: Floats, faces: Faces, patch: Ints, size: Floats, taken: Ints) -> tuple[Floats, Faces, Ints, Floats]:
