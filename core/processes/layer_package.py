@@ -21,13 +21,14 @@ from core.processes.outcome import Outcome, OutputFile
 from core.processes.software import software_versions
 from core.reports.figures.compose import draw_shell_figures
 from core.reports.figures.figure import Figure
+from core.reports.figures.marked_areas import LIMITED, MISSED, MOVED, MarkedArea
 from core.run import RunContext
 from core.schema.finding import Finding, Severity
 from core.schema.report import Report, ThicknessReport
 from core.schema.shells import ShellsInputs
 from core.shells.moved_places import describe_move
 from core.shells.nested_shells import Shell, create_shells
-from core.shells.thickness import measure_thickness
+from core.shells.thickness import is_limited, is_on_target, measure_thickness
 from core.shells.thin_places import check_depth
 from core.shells.widen_skin import WidenedSkin, widen_skin
 from core.validation.validate import Validation, validate
@@ -74,7 +75,9 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     run.stage("figures", 0.77, 0.94)
     tissues = _tissues(shells, report, surfaces)
     depths = {shell.name: shell.depth_mm for shell in shells}
-    figures = (*job.draw(surfaces), *draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings))
+    areas = _marked_areas(widened, shells)
+    drawn = draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings, areas=areas)
+    figures = (*job.draw(surfaces), *drawn)
     run.stage("package", 0.94, 1.0)
     package = out_dir / "package.zip"
     packed = build_package(package, tissues, report, figures)
@@ -132,6 +135,19 @@ def _report(job: LayerJob, widened: WidenedSkin, shells: tuple[Shell, ...], vali
         parameters=dict(job.parameters),
         software=software_versions(),
     )
+
+
+def _marked_areas(widened: WidenedSkin, shells: tuple[Shell, ...]) -> dict[str, tuple[MarkedArea, ...]]:
+    """What the figures paint on each surface: where the skin was moved, where a layer is off its depth and why."""
+    moved = MarkedArea("skin.moved_outwards", "moved outwards", MOVED, widened.moved_mm > 0)
+    areas: dict[str, tuple[MarkedArea, ...]] = {"skin": (moved,)}
+    for shell in shells:
+        limited, off = is_limited(shell), ~is_on_target(shell)
+        areas[shell.name] = (
+            MarkedArea("shells.depth_limited", "limited by anatomy", LIMITED, limited),
+            MarkedArea("shells.depth_missed", "off its depth although there is room", MISSED, off & ~limited),
+        )
+    return areas
 
 
 def _summary(validation: Validation, thickness: Mapping[str, ThicknessReport]) -> str:

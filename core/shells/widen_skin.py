@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 ROUNDS = 4
 SHIFT_SLOPE = 0.5  # steepest change of the movement per length of skin
 AIR_SHARE = 0.5  # of the free ball outside may be used, so that two parts facing each other leave some air
+ROOM_SHARE = 2.5  # gaps per layer outside that parts of the skin keep from each other, so that the layers fit in between
 RETREAT = 0.6  # a crowded vertex falls back to this share of its way
 MOST_RETREATS = 60
 LEAST_QUALITY = 0.05  # q below which no face is squeezed ...
@@ -58,7 +59,8 @@ def widen_skin(
         return WidenedSkin(skin, np.zeros(len(skin.vertices)))
     deepest = target_depths(skin.vertices, inputs.layers, inputs.regions, arrays)[inside][-1]
     whole = Sheet.copy_of(skin.vertices, skin.faces)
-    own = min(OWN_CLEARANCE_MM, inputs.min_gap_mm)
+    around = inside.count(False)
+    own = ROOM_SHARE * inputs.min_gap_mm * max(around, 1) + min(OWN_CLEARANCE_MM, inputs.min_gap_mm)
     lacking = _lacking(skin, deepest)
     thin = lacking > 0
     asked, moved = lacking, skin

@@ -34,10 +34,15 @@ class Mark:
     points: Floats
 
 
-def draw_circled(mesh: Mesh, frame: BodyFrame, colour: Colour, marks: Sequence[Mark]) -> bytes:
-    """Views of a mesh as PNG; a dashed circle is a place on a side that no view shows, a number says how many lie close."""
+def draw_circled(
+    mesh: Mesh, frame: BodyFrame, colour: Colour, marks: Sequence[Mark], painted: NDArray[np.uint8] | None = None
+) -> bytes:
+    """Views of a mesh as PNG; a dashed circle is a place on a side that no view shows, a number says how many lie close.
+
+    painted: colours of the faces (F, 3), if they are not all the mesh's own, lightened.
+    """
     legend_in = LEGEND_IN * len(marks) + (0.1 if marks else 0.0)
-    paint = np.tile(np.array(lightened(colour, 0.62), dtype=np.uint8), (len(mesh.faces), 1))
+    paint = np.tile(np.array(lightened(colour, 0.62), dtype=np.uint8), (len(mesh.faces), 1)) if painted is None else painted
     surface = Surface.of(mesh)
     with sheet(WIDTH_IN, HEIGHT_IN + legend_in, VIEW_DPI) as figure:
         below_px = round(legend_in * VIEW_DPI)

@@ -14,6 +14,7 @@ from core.reports.figures.cross_sections import draw_cross_sections
 from core.reports.figures.figure import Figure
 from core.reports.figures.gap_places import draw_gap_places
 from core.reports.figures.levels import find_levels
+from core.reports.figures.marked_areas import MarkedArea, draw_marked_areas
 from core.reports.figures.quality_histogram import draw_quality_histogram
 from core.reports.figures.surface_views import draw_surface_views
 from core.reports.figures.thickness_histogram import draw_thickness_histogram
@@ -23,6 +24,7 @@ from core.schema.finding import Finding
 from core.schema.report import PairReport
 
 Floats = NDArray[np.float64]
+NO_AREAS: Mapping[str, Sequence[MarkedArea]] = {}
 
 
 class DrawnTissue(Protocol):
@@ -50,11 +52,12 @@ def draw_shell_figures(
     *,
     pairs: Sequence[PairReport] = (),
     findings: Sequence[Finding] = (),
+    areas: Mapping[str, Sequence[MarkedArea]] = NO_AREAS,
 ) -> tuple[Figure, ...]:
     """All figures of nested shells.
 
     Needs:    tissues in nesting order, the outermost first; depths_mm: layer -> measured distance to the skin, (F,) or (V,) of
-              the layer's mesh; layers without depths get no thickness figures.
+              the layer's mesh; layers without depths get no thickness figures. areas: tissue -> what findings are about.
     Promises: same input, same bytes; names are unique.
     """
     meshes = {tissue.name: tissue.mesh for tissue in tissues}
@@ -68,6 +71,7 @@ def draw_shell_figures(
     ]
     figures += [draw_thickness_map(name, meshes[name], measured[name], target, frame) for name, target in targets.items()]
     figures.append(draw_thickness_histogram(meshes, measured, targets, colours) if measured else None)
+    figures += [draw_marked_areas(name, meshes[name], frame, colours[name], marked, findings) for name, marked in areas.items()]
     if any(finding.places for finding in findings):
         figures.append(draw_surface_views(outermost, frame, colours[tissues[0].name], findings))
     figures += [draw_gap_places(pairs, meshes, colours), draw_quality_histogram(meshes, colours)]

@@ -40,7 +40,7 @@ def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: floa
         axes.set_xlabel(f"distance of {name} to the skin [mm]; dark line: target {target_mm:.4g} mm")
         png = to_png(figure)
     caption = (
-        f"Depth of {name}, painted face by face on the layer. Half of the faces are farther from the skin than {middle:.2f} mm, 99 % "
-        f"farther than {low:.2f} mm; the target outside all regions, or its median if given by vertex, is {target_mm:.4g} mm."
+        f"Depth of {name}, painted face by face on the layer. Half of the faces are farther from the skin than {middle:.2f} mm, "
+        f"99 % farther than {low:.2f} mm; the target outside all regions, or its median if given by vertex: {target_mm:.4g} mm."
     )
     return Figure(f"thickness_{name}", f"Thickness map: {name}", caption, png)
