@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from core.geometry.adjacency import edges
+from core.geometry.adjacency import Edges, edges
 from core.healing.borders import border_sides
 from core.healing.change import Change, Staged
 from core.mesh import Faces, Vertices
@@ -57,6 +57,12 @@ def _find_hits(vertices: Vertices, faces: Faces) -> tuple[Ints, Ints, Ints, Floa
     vertex = border[np.concatenate([np.asarray(some, dtype=np.int64) for some in lists])]
     strange = (vertex != start[row]) & (vertex != end[row]) & (vertex != apex[row])
     row, vertex = row[strange], vertex[strange]
+    inner_face, inner_side, inner_vertex = _inner_sides(found, np.column_stack((start, end)))
+    row = np.concatenate((row, len(face) + np.arange(len(inner_face))))
+    vertex = np.concatenate((vertex, inner_vertex))
+    face, side = np.concatenate((face, inner_face)), np.concatenate((side, inner_side))
+    start, end = (faces[face, (side + turn) % 3].astype(np.int64) for turn in range(2))
+    length = np.linalg.norm(vertices[end] - vertices[start], axis=1)
     direction, offset = vertices[end[row]] - vertices[start[row]], vertices[vertex] - vertices[start[row]]
     along = np.einsum("ij,ij->i", direction, offset) / length[row] ** 2
     distance = np.linalg.norm(offset - along[:, None] * direction, axis=1)
@@ -73,6 +79,28 @@ def _find_hits(vertices: Vertices, faces: Faces) -> tuple[Ints, Ints, Ints, Floa
     order = np.lexsort((along, side[row], face[row]))
     row, vertex, along, distance = row[order], vertex[order], along[order], distance[order]
     return face[row], side[row], vertex, along, distance
+
+
+def _inner_sides(found: Edges, border: Ints) -> tuple[Ints, Ints, Ints]:
+    """Sides at edges with two faces whose ends are the two neighbours of a vertex along a border (N, 2): face, side, vertex.
+
+    There a fin hides the border that a side without the vertex would have."""
+    stride = int(found.ends.max(initial=0)) + 1
+    middle, other = np.concatenate((border, border[:, ::-1])).T
+    order = np.argsort(middle, kind="stable")
+    middle, other = middle[order], other[order]
+    tip, first, count = np.unique(middle, return_index=True, return_counts=True)
+    tip, first = tip[count == 2], first[count == 2]
+    a, b = other[first], other[first + 1]
+    full = np.flatnonzero(found.face_count == 2)
+    keys = found.ends[full, 0] * stride + found.ends[full, 1]
+    wanted = np.minimum(a, b) * stride + np.maximum(a, b)
+    place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
+    hit = (keys[place] == wanted) if len(keys) else np.zeros(len(wanted), dtype=np.bool_)
+    vertex_of_edge = np.full(len(found.ends), -1, dtype=np.int64)
+    vertex_of_edge[full[place[hit]]] = tip[hit]
+    face, side = np.nonzero(vertex_of_edge[found.of_face] >= 0)
+    return face, side, vertex_of_edge[found.of_face[face, side]]
 
 
 def _split(faces: Faces, face: Ints, side: Ints, vertex: Ints, along: Floats) -> Faces:
