@@ -105,7 +105,8 @@ def _candidates(vertices: Vertices, loops: list[Ints], owner: Ints) -> list[tupl
         apart = np.linalg.norm(np.maximum(0.0, np.maximum(low[i] - high, low - high[i])), axis=1)
         near = np.flatnonzero((apart * (length[i] + length) / 2 < cap[i] + cap) & (owner != owner[i]))
         for j in near[near > i].tolist():
-            way = (trees[j].query(points[number == i])[0].mean() + trees[i].query(points[number == j])[0].mean()) / 2
+            there, back = trees[j].query(points[number == i])[0], trees[i].query(points[number == j])[0]
+            way = (np.mean(there) + np.mean(back)) / 2
             share = way * (length[i] + length[j]) / 2 / max(cap[i] + cap[j], 1e-300)
             if share < LARGEST_SHARE:
                 found.append((float(share), i, j))
@@ -121,7 +122,7 @@ def _cap_area(points: Floats) -> float:
 
 def _bridge(vertices: Vertices, first: Ints, second: Ints) -> tuple[int, int, bool]:
     """Nearest vertices of two rims, and whether the rims run the same way, as a band between them must not."""
-    distance, at = cKDTree(vertices[second]).query(vertices[first])
+    distance, at = (np.asarray(found) for found in cKDTree(vertices[second]).query(vertices[first]))
     start = int(np.argmin(distance))
     ahead = np.roll(vertices[first], -1, axis=0) - np.roll(vertices[first], 1, axis=0)
     beside = np.roll(vertices[second], -1, axis=0) - np.roll(vertices[second], 1, axis=0)

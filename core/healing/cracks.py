@@ -60,11 +60,12 @@ def _find_partners(vertices: Vertices, found: Edges, tolerance_mm: float | None)
         return np.empty((0, 2), dtype=np.int64), np.empty(0)
     reach = WELD_SHARE * scale if tolerance_mm is None else np.minimum(tolerance_mm, LARGEST_WELD_SHARE * scale)
     # neighbours in the list lie in space as they do in the file: the tree is asked within the largest reach only
-    distance, other = cKDTree(vertices[border]).query(
-        vertices[border], k=min(NEAREST + 1, len(border)), distance_upper_bound=float(reach.max()) * (1.0 + 1e-12)
+    nearest_first = min(NEAREST + 1, len(border))
+    asked = cKDTree(vertices[border]).query(
+        vertices[border], k=nearest_first, distance_upper_bound=float(reach.max()) * (1.0 + 1e-12)
     )
-    rows = np.repeat(np.arange(len(border)), distance.shape[1])
-    distance, other = distance.ravel(), other.ravel()
+    rows = np.repeat(np.arange(len(border)), nearest_first)
+    distance, other = (np.asarray(found_there).ravel() for found_there in asked)
     fits = (other < len(border)) & (other != rows)
     rows, other, distance = rows[fits], other[fits], distance[fits]
     fits = distance <= np.minimum(reach[rows], reach[other])

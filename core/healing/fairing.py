@@ -45,9 +45,9 @@ def spread(points: Floats, faces: Faces, free: Flags) -> Floats:
         return points
     ends = edges(faces).ends
     weight = np.ones(len(ends))
-    graph = coo_array((weight, (ends[:, 0], ends[:, 1])), shape=(len(points), len(points)))
-    graph = csc_array(graph + graph.T)
-    inner = (diags_array(graph.sum(axis=0)) - graph)[free]
+    one_way = coo_array((weight, (ends[:, 0], ends[:, 1])), shape=(len(points), len(points))).tocsc()
+    graph = one_way + one_way.T
+    inner = csc_array(diags_array(graph.sum(axis=0)) - graph)[free]
     moved = points.copy()
     moved[free] = splu(csc_array(inner[:, free])).solve(-(inner[:, ~free] @ points[~free]))
     return moved

@@ -23,6 +23,7 @@ from core.healing.nonmanifold_edges import mend_nonmanifold_edges
 from core.healing.orientation import agree, agree_within_sheets, face_outward
 from core.healing.pieces import drop_pieces, drop_scraps, find_unwanted, require_faces
 from core.healing.pinched_vertices import part_pinched_vertices
+from core.healing.staircase import smooth_steps
 from core.healing.t_junctions import split_sides_at_vertices
 from core.mesh import Faces, Mesh, Vertices
 from core.run import SILENT, RunContext
@@ -105,6 +106,8 @@ class _Draft:
             self._apply(partial(drop_pieces, policy=inputs.pieces, min_share=inputs.min_piece_share))
             if not find_faults(self.compact()):
                 break
+        if inputs.staircase:
+            self._apply(partial(smooth_steps, max_mm=inputs.staircase_max_mm))
 
     def _close(self, inputs: HealInputs, measure_volume: bool) -> None:
         """Everything that makes a closed oriented manifold."""

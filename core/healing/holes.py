@@ -131,17 +131,17 @@ def _shape(vertices: Vertices, faces: Faces, bare: _Patches) -> tuple[_Patches, 
     at_rim = np.zeros(len(vertices), dtype=np.bool_)
     at_rim[bare.faces] = True
     around = faces[at_rim[faces].any(axis=1)]
-    used, local = np.unique(np.concatenate((around, bare.faces)), return_inverse=True)
-    local = local.reshape(-1, 3).astype(np.int32)
+    used, corners = np.unique(np.concatenate((around, bare.faces)), return_inverse=True)
+    local: Faces = corners.reshape(-1, 3).astype(np.int32)
     ring, patches, patch = local[: len(around)], local[len(around) :], bare.patch
-    points = vertices[used]
+    points: Floats = vertices[used]
     old = len(points)
     outside = edges(ring)
     size, taken = _sizes(points, edges(patches)), outside.ends
-    for number in range(FAIRINGS):
+    for fairing in range(FAIRINGS):
         points, patches, patch, size = refine(points, patches, patch, size, taken)
         free = np.arange(len(points)) >= old
-        if number == 0:
+        if fairing == 0:
             points = spread(points, patches, free)
             patches = flip_to_delaunay(points, patches, taken)
         everything = np.concatenate((ring, patches))

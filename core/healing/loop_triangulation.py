@@ -64,7 +64,7 @@ def _normal(points: Floats, i: int, j: int, k: int, out: Floats) -> float:
 @njit(cache=True, nogil=True)
 def _bend(a: Floats, b: Floats) -> float:
     """1 - cos between two unit normals; 0 if either is NaN."""
-    bend = 1.0 - (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+    bend: float = 1.0 - (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
     if np.isnan(bend):
         return 0.0
     return bend

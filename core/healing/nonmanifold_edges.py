@@ -74,8 +74,8 @@ class Sheets:
     def odd_shares(self, vertices: Vertices, faces: Faces) -> Floats:
         """Share of each sheet's crowded edges, by length, at which the other two faces are the flattest pair of the three."""
         row, side, edge = self.row, self.side, self.edge
-        three = np.flatnonzero(self.face_count[edge] == 3)
-        three = three[np.argsort(edge[three], kind="stable")].reshape(-1, 3)
+        at_three = np.flatnonzero(self.face_count[edge] == 3)
+        three = at_three[np.argsort(edge[at_three], kind="stable")].reshape(-1, 3)
         start, end, tip = (vertices[faces[row[three], (side[three] + turn) % 3]] for turn in range(3))
         along = end[:, 0] - start[:, 0]
         length = np.linalg.norm(along, axis=1)

@@ -51,10 +51,8 @@ def face_outward(vertices: Vertices, faces: Faces) -> Staged:
     found = edges(faces)
     count, piece = face_components(found)
     open_pieces = np.unique(piece[(found.face_count[found.of_face] != 2).any(axis=1)])
-    expected = np.ones(count)
-    if count > 1:
-        expected = 1.0 - 2.0 * (_depths(vertices, faces, count, piece, open_pieces) % 2)
-    wrong = np.sign(signed_volumes(vertices, faces, piece)) == -expected
+    depth = _depths(vertices, faces, count, piece, open_pieces) if count > 1 else np.zeros(1, dtype=np.int64)
+    wrong = np.sign(signed_volumes(vertices, faces, piece)) == 2.0 * (depth % 2) - 1.0
     wrong[open_pieces] = False
     turned = np.flatnonzero(wrong[piece])
     return _flipped(

@@ -33,7 +33,7 @@ def drop_scraps(vertices: Vertices, faces: Faces, policy: PiecesPolicy) -> Stage
     if not (found.face_count == 1).any():
         return vertices, faces, []
     count, piece = face_components(found)
-    area = np.bincount(piece, weights=face_areas(vertices, faces), minlength=count)
+    area = np.bincount(piece, weights=face_areas(vertices, faces), minlength=count).astype(np.float64)
     is_open = np.bincount(piece[(found.face_count[found.of_face] == 1).any(axis=1)], minlength=count) > 0
     small = (area < SCRAP_SHARE * area.max()) & (policy != "keep_all")
     unwanted = is_open & (small | (_roundness(vertices, faces, found, piece, area) < FLATTEST))
@@ -92,13 +92,12 @@ def take_away(vertices: Vertices, faces: Faces, unwanted: Flags, piece: Ints, ki
 def _roundness(vertices: Vertices, faces: Faces, found: Edges, piece: Ints, area: Floats) -> Floats:
     """6 √π V / A^1.5 of each piece, its holes closed by cones."""
     face, side = border_sides(found)
-    middle = np.column_stack([np.bincount(piece, vertices[faces].mean(axis=1)[:, axis]) for axis in range(3)])
-    middle /= np.bincount(piece)[:, None]
+    middle = _middles(vertices[faces].mean(axis=1), piece, len(area))
     # cones over all borders of a piece have one tip: their volumes add up to that of any closing
     a, b, c = (vertices[faces[:, corner]] - middle[piece] for corner in range(3))
     volume = np.bincount(piece, np.einsum("ij,ij->i", a, np.cross(b, c)), minlength=len(area)) / 6.0
     tail, head = vertices[faces[face, side]], vertices[faces[face, (side + 1) % 3]]
-    tip = _middle_of_borders(tail, piece[face], len(area))[piece[face]]
+    tip = _middles(tail, piece[face], len(area))[piece[face]]
     u, v, w = head - middle[piece[face]], tail - middle[piece[face]], tip - middle[piece[face]]
     volume += np.bincount(piece[face], np.einsum("ij,ij->i", u, np.cross(v, w)), minlength=len(area)) / 6.0
     closed_area = (
@@ -108,7 +107,7 @@ def _roundness(vertices: Vertices, faces: Faces, found: Edges, piece: Ints, area
     return roundness
 
 
-def _middle_of_borders(points: Floats, piece: Ints, count: int) -> Floats:
+def _middles(points: Floats, piece: Ints, count: int) -> Floats:
     size = np.maximum(np.bincount(piece, minlength=count), 1)
     middle: Floats = np.column_stack([np.bincount(piece, points[:, axis], minlength=count) for axis in range(3)]) / size[:, None]
     return middle
