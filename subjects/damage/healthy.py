@@ -55,6 +55,6 @@ def _made(healthy: Healthy) -> Mesh:
 EAR, CROWN = (87.9, 724.0, 37.5), (0.0, 849.0, 70.0)
 BODY = Healthy("body", body, EAR, (-10.0, 113.0, -70.0), 32.0)
 HEAD = Healthy("head", head, EAR, CROWN, 32.0, (1.0, -10.0, 0.0))
-HAND = Healthy("hand", hand, (496.0, 124.0, 268.0), (430.0, 171.0, 230.0), 18.0, (-1.0, 0.2, 0.0))
+HAND = Healthy("hand", hand, (496.0, 124.0, 268.0), (430.0, 171.0, 230.0), 18.0, (-1.0, -0.3, 0.3))
 BALL = Healthy("ball", lambda: ball(30, 4), (30.0, 0.0, 0.0), (0.0, 0.0, 30.0), 14.0)
 CUBE = Healthy("cube", lambda: block(40, 40, 40, 2.5), (20.0, 0.0, 20.0), (0.0, 0.0, 20.0), 12.0, (1.0, 0.3, 1.0))

@@ -16,6 +16,8 @@ from subjects.damage.places import Floats, Generator, extreme, nearest_vertex
 from subjects.generated.pieces import inside_out
 
 TIGHT_MM = 0.01
+HOLE_SHARE = 0.4  # a flat lid over half a ball would be 0.7
+CREASE_SHARE = 0.8  # a flat lid across a right angle is 0.7
 TOES = (192.0, -802.0, 191.0)
 ALL = (BODY, HEAD, HAND, BALL)
 SMALL = (HEAD, HAND, BALL)
@@ -23,15 +25,17 @@ SMALL = (HEAD, HAND, BALL)
 
 @dataclass(frozen=True)
 class Kind:
-    """A way to damage any healthy surface; bound: in mm, given the median edge.
+    """A way to damage any healthy surface. damage takes the surface, a source of chance and its description.
 
-    damage takes the surface, a source of chance and its description.
+    A healed one may lie off the healthy one by `bound` mm, given the median edge, and by `share` of the farthest that the
+    healthy surface lies from the damaged one: that is how deep what is missing reaches away from what is left.
     """
 
     name: str
     of: str
     damage: Callable[[Mesh, Generator, Healthy], Mesh]
     bound: Callable[[float], float] = lambda _edge: TIGHT_MM
+    share: float = 0.0
     subjects: tuple[Healthy, ...] = ALL
     quick_on: str = ""
 
@@ -79,28 +83,28 @@ KINDS = (
     Kind("inner wall", "edge_not_manifold", lambda m, _g, _: joints.walled(m, _middle(m), (0.0, 1.0, 0.02)), quick_on="ball"),
     Kind("bodies sharing an edge", "edge_not_manifold", lambda m, g, _: joints.sharing_edges(m, g, 3)),
     Kind("pinch", "vertex_not_manifold", lambda m, g, _: joints.pinched(m, g), lambda edge: 3 * edge, quick_on="hand"),
-    Kind("faces missing", "small_holes", lambda m, g, _: holes.without_faces(m, g, 12), lambda edge: 0.3 * edge, quick_on="hand"),
-    Kind("many holes", "small_holes", lambda m, g, _: holes.without_rings(m, g, 25, 1), lambda edge: 0.5 * edge),
-    Kind("holes of two rings", "holes", lambda m, g, _: holes.without_rings(m, g, 6, 2), lambda edge: edge, quick_on="ball"),
+    Kind("faces missing", "small_holes", lambda m, g, _: holes.without_faces(m, g, 12), share=HOLE_SHARE, quick_on="hand"),
+    Kind("many holes", "small_holes", lambda m, g, _: holes.without_rings(m, g, 25, 1), share=HOLE_SHARE),
+    Kind("holes of two rings", "holes", lambda m, g, _: holes.without_rings(m, g, 6, 2), share=HOLE_SHARE, quick_on="ball"),
     Kind(
         "ear-sized hole",
         "large_holes",
         lambda m, _g, on: holes.without_ball(m, _at(m, on.bald), on.reach_mm),
-        lambda edge: 2.0 * edge,
+        share=HOLE_SHARE,
         quick_on="head",
     ),
     Kind(
         "hole with an islet",
         "large_holes",
         lambda m, _g, on: holes.without_ball(m, _at(m, on.bald), on.reach_mm, 0.5 * on.reach_mm),
-        lambda edge: 2.0 * edge,
+        share=HOLE_SHARE,
         subjects=(HEAD, BALL),
     ),
     Kind(
         "hole across a crease",
         "crease_holes",
         lambda m, _g, on: holes.without_ball(m, extreme(m, on.crease), 3.5 * on.edge_mm),
-        lambda edge: 0.75 * 3.5 * edge,
+        share=CREASE_SHARE,
         subjects=(HEAD, HAND, CUBE),
     ),
     Kind(
