@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from core.ears.cut_canals import SKIN, CutSkin
-from core.ears.patch import Patch
 from core.errors import InternalError
 from core.geometry.adjacency import edges
 from core.geometry.distance import closest_points_in
 from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.face_tree import FaceTree
+from core.geometry.patch import Patch
 from core.geometry.quality import quality, side_lengths
 from core.mesh import Mesh
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from core.ears.triangle_shape import Point, closest_distance, cross, dot, minus, quality
+from core.geometry.triangle_shape import Point, closest_distance, cross, dot, minus, quality
 from core.mesh import Mesh
 
 Ints = NDArray[np.int64]
