@@ -68,7 +68,7 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
         min_gap_mm=inputs.min_gap_mm,
         summary=lambda report: _summary(report, before, healed),
         find_broken=find_broken,
-        methods=METHODS.format(volume=inputs.max_volume_change, area=inputs.max_area_change, deviation=inputs.max_deviation_mm),
+        methods=_methods(inputs),
         references=VALIDATE_REFERENCES,
         parameters=inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}),
         changes=tuple({"mesh": name, **change} for name, result in healed.items() for change in result.changes),
@@ -109,7 +109,9 @@ def _summary(report: Report, before: Validation, healed: Mapping[str, Healed]) -
         if not healed[name].changes:
             rows.append(f"{name}: nothing to mend, unchanged")
             continue
-        kinds = ", ".join(dict.fromkeys(str(change.get("kind", "")).replace("_", " ") for change in healed[name].changes))
+        kinds = ", ".join(
+            dict.fromkeys(change["kind"].replace("_", " ") for change in healed[name].changes if "places" in change)
+        )
         kept = comparison.kept_vertices / max(1, report.meshes[name].vertices)
         rows.append(
             f"{name}: mended {kinds}; {kept:.2%} of the vertices are those that came, "
