@@ -32,9 +32,12 @@ class Service:
 
     def upload(self, mesh: Mesh, name: str = "skin") -> str:
         """Send as binary STL in mm; the reference to it."""
-        reply = self.http.post(
-            "/v1/meshes", data={"unit": "mm", "name": name}, files={"file": (f"{name}.stl", binary_stl(mesh), "model/stl")}
-        )
+        return self.upload_file(binary_stl(mesh), f"{name}.stl", "mm")
+
+    def upload_file(self, content: bytes, file_name: str, unit: str) -> str:
+        """Send as it is; the reference to it."""
+        data = {"unit": unit, "name": file_name.partition(".")[0]}
+        reply = self.http.post("/v1/meshes", data=data, files={"file": (file_name, content, "application/octet-stream")})
         assert reply.status_code == 201, reply.text
         return f"/v1/meshes/{reply.json()['id']}"
 
