@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -12,14 +14,19 @@ from starlette.middleware import Middleware
 from api.body_limit import BodyLimit
 from api.links import BASE
 from api.openapi import install_openapi
+from api.partial_file import sweep_partial_files
 from api.problem_handlers import install_problem_handlers
 from api.request_context import LOOPBACK_HOSTS, RequestContext
 from api.request_folder import sweep_incoming
-from api.routes import events, health, jobs, landing, meshes, processes, results
+from api.routes import events, health, jobs, landing, meshes, processes, results, uploads
 from api.services import Services, make_services
 from api.version import SERVER_VERSION
+from core.errors import IntegumentError
 from store.settings import Settings
 
+logger = logging.getLogger(__name__)
+
+SWEEP_S = 600.0
 LEFT_BEHIND_S = 900.0  # an upload nothing was written to for that long has no server any more
 
 DESCRIPTION = """\
@@ -44,12 +51,12 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=_lifespan,
         middleware=[
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
-            Middleware(BodyLimit, except_path=f"{BASE}/meshes"),
+            Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )
     app.state.services = services
     install_problem_handlers(app)
-    for module in (landing, meshes, processes, jobs, results, events):
+    for module in (landing, meshes, uploads, processes, jobs, results, events):
         app.include_router(module.router, prefix=BASE)
     app.include_router(health.router)
     install_openapi(app)
@@ -62,13 +69,30 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     await run_in_threadpool(services.db.migrate)
     await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
     services.nursery.start()  # loads in the background while the first requests come
+    sweeping = asyncio.create_task(_sweep_uploads(services))
     try:
         yield
     finally:
+        sweeping.cancel()
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
         services.doorbell.close()
         services.db.close()
+
+
+async def _sweep_uploads(services: Services) -> None:
+    """Uploads nobody went on with: their rows, then their files."""
+    while True:
+        try:
+            await run_in_threadpool(services.uploads.sweep)
+            await run_in_threadpool(sweep_partial_files, services.uploads_dir, services.uploads.known)
+        except IntegumentError as error:
+            logger.warning("uploads are swept later: %s", error)
+        await asyncio.sleep(SWEEP_S)
+
+
+def _takes_files(method: str, path: str) -> bool:
+    return path == f"{BASE}/meshes" or (method == "PATCH" and path.startswith(f"{BASE}/uploads/"))
 
 
 def _allowed_hosts(settings: Settings) -> frozenset[str]:

@@ -1,6 +1,8 @@
-"""No route but the upload takes a large body."""
+"""No route but uploads takes a large body."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import anyio
 from starlette.datastructures import Headers
@@ -16,13 +18,13 @@ class BodyLimit:
 
     What still comes is read and forgotten for a while: a client that is still sending would not see the answer."""
 
-    def __init__(self, app: ASGIApp, except_path: str) -> None:
-        """`except_path` counts its bytes itself."""
+    def __init__(self, app: ASGIApp, counts_itself: Callable[[str, str], bool]) -> None:
+        """counts_itself(method, path): whether the route looks after its own bytes."""
         self.app = app
-        self.except_path = except_path
+        self.counts_itself = counts_itself
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http" or scope["path"] == self.except_path:
+        if scope["type"] != "http" or self.counts_itself(scope["method"], scope["path"]):
             await self.app(scope, receive, send)
             return
         declared = Headers(scope=scope).get("content-length", "0")

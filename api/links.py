@@ -38,6 +38,11 @@ def job_path(job_id: str) -> str:
     return f"{BASE}/jobs/{job_id}"
 
 
+def upload_path(upload_id: str) -> str:
+    """Where an upload in pieces goes to; also its `Location`."""
+    return f"{BASE}/uploads/{upload_id}"
+
+
 def mesh_path(mesh_id: str) -> str:
     """Where a mesh lives; also its `Location`."""
     return f"{BASE}/meshes/{mesh_id}"

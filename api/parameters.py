@@ -28,6 +28,13 @@ def mesh_id_of(mesh_id: Annotated[str, Path(description="Id of a mesh")]) -> str
     return mesh_id
 
 
+def upload_id_of(upload_id: Annotated[str, Path(description="Id of an upload")]) -> str:
+    """What cannot be an id is not looked for. Raises StateError `upload.not_found`."""
+    if not _UUID.fullmatch(upload_id):
+        raise StateError("upload.not_found", f"there is no upload {upload_id[:100]!r}")
+    return upload_id
+
+
 def preferences_of(
     request: Request,
     prefer: Annotated[
@@ -46,6 +53,7 @@ def split_commas(sent: Sequence[str] | str) -> list[str]:
 
 JobId = Annotated[str, Depends(job_id_of)]
 MeshId = Annotated[str, Depends(mesh_id_of)]
+UploadId = Annotated[str, Depends(upload_id_of)]
 PreferencesDep = Annotated[Preferences, Depends(preferences_of)]
 IdempotencyKey = Annotated[
     str | None, Header(alias="Idempotency-Key", description="Same key and request: done once, answered alike, for 24 h")

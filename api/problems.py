@@ -17,6 +17,8 @@ from core.schema.finding import Finding
 MEDIA_TYPE = "application/problem+json"
 OGC_EXCEPTIONS = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
 
+CHECKSUM_MISMATCH = 460  # of tus
+
 STATUS_BY_FAULT: dict[Fault, int] = {
     "input": HTTPStatus.UNPROCESSABLE_ENTITY,
     "limit": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
@@ -46,14 +48,19 @@ STATUS_BY_CODE: dict[str, int] = {
     "server.busy": HTTPStatus.SERVICE_UNAVAILABLE,
     "server.not_ready": HTTPStatus.SERVICE_UNAVAILABLE,
     "storage.full": HTTPStatus.INSUFFICIENT_STORAGE,
+    "upload.busy": HTTPStatus.LOCKED,
+    "upload.checksum_mismatch": CHECKSUM_MISMATCH,
+    "upload.header_invalid": HTTPStatus.BAD_REQUEST,
+    "upload.not_found": HTTPStatus.NOT_FOUND,
     "upload.too_large": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+    "upload.version": HTTPStatus.PRECONDITION_FAILED,
 }
 OGC_TYPE_BY_CODE: dict[str, str] = {
     "job.not_found": OGC_EXCEPTIONS + "no-such-job",
     "process.not_found": OGC_EXCEPTIONS + "no-such-process",
     "result.not_ready": OGC_EXCEPTIONS + "result-not-ready",
 }
-_ALWAYS_RETRYABLE = {"idempotency.in_flight", "result.not_ready", "server.busy", "server.not_ready"}
+_ALWAYS_RETRYABLE = {"idempotency.in_flight", "result.not_ready", "server.busy", "server.not_ready", "upload.busy"}
 
 
 def status_of(code: str, fault: Fault) -> int:

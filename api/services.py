@@ -23,6 +23,7 @@ from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
 from store.open_blobs import open_blobs
 from store.settings import Settings
+from store.uploads import Uploads
 
 CONCURRENT_INTAKES = 2  # each may use intake_memory_bytes
 INTAKE_MODULES = ("core.processes.intake", "core.processes.export")
@@ -37,6 +38,7 @@ class Services:
     blobs: Blobs
     meshes: Meshes
     mesh_inputs: MeshInputs
+    uploads: Uploads
     jobs: Jobs
     events: Events
     backlog: Backlog
@@ -52,6 +54,11 @@ class Services:
         """Uploads on their way in and conversions on their way out; one folder per request, removed at its end."""
         return self.settings.data_dir / "incoming"
 
+    @property
+    def uploads_dir(self) -> Path:
+        """Files of uploads in pieces, by the id of the upload."""
+        return self.settings.data_dir / "uploads"
+
 
 def make_services(settings: Settings) -> Services:
     """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
@@ -63,6 +70,7 @@ def make_services(settings: Settings) -> Services:
         blobs=blobs,
         meshes=Meshes(db, blobs),
         mesh_inputs=MeshInputs(db, blobs),
+        uploads=Uploads(db, settings.upload_hours),
         jobs=Jobs(db),
         events=Events(db),
         backlog=Backlog(db),

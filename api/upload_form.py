@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import hashlib
-from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-import anyio
 from python_multipart import MultipartParser
 from python_multipart.exceptions import FormParserError
 from python_multipart.multipart import parse_options_header
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 
+from api.request_body import RequestBody
 from core.errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from python_multipart.multipart import MultipartCallbacks
 
-PIECE_BYTES = 1024 * 1024  # written at a time
 MAX_FIELD_BYTES = 2000
 FORM_BYTES = 64 * 1024  # room for the form around the file
-DRAIN_S = 10.0
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _FIELDS = ("unit", "name")
 _FILE = "file"
@@ -51,7 +47,7 @@ async def receive_file(request: Request, path: Path, limit_bytes: int) -> Receiv
     if media_type != b"multipart/form-data":
         sent = media_type.decode("latin-1")[:100] or "none"
         raise InputError("request.media_type", f"An upload is multipart/form-data with a part 'file'; it came as {sent}")
-    body = _Body(request)
+    body = RequestBody(request)
     declared = request.headers.get("content-length", "")
     if declared.isdecimal() and int(declared[:18]) > limit_bytes + FORM_BYTES:
         if "expect" not in request.headers:  # with 100-continue nothing is on its way yet
@@ -75,40 +71,6 @@ async def receive_file(request: Request, path: Path, limit_bytes: int) -> Receiv
             raise
         await body.drain()
         raise LimitError("storage.full", f"The disk is full after {body.size} bytes of the upload", size=body.size) from error
-
-
-class _Body:
-    """The request body in pieces of about PIECE_BYTES."""
-
-    def __init__(self, request: Request) -> None:
-        self._receive = request.receive
-        self.size = 0
-        self._more = True
-
-    async def pieces(self) -> AsyncIterator[bytes]:
-        """Raises InputError `upload.interrupted` if the client goes away."""
-        pending = bytearray()
-        while self._more:
-            pending += await self._next()
-            if len(pending) >= PIECE_BYTES or not self._more:
-                yield bytes(pending)
-                pending.clear()
-
-    async def drain(self) -> None:
-        """Read and forget what is still coming: a client that is still sending would not see the answer."""
-        with anyio.move_on_after(DRAIN_S), contextlib.suppress(InputError):
-            while self._more:
-                await self._next()
-
-    async def _next(self) -> bytes:
-        message = await self._receive()
-        if message["type"] == "http.disconnect":
-            self._more = False
-            raise InputError("upload.interrupted", f"The upload broke off after {self.size} bytes", size=self.size)
-        self._more = bool(message.get("more_body", False))
-        chunk: bytes = message.get("body", b"")
-        self.size += len(chunk)
-        return chunk
 
 
 def _too_large(limit_bytes: int, said: str) -> LimitError:
@@ -175,7 +137,7 @@ class _Form:
         if self._part == _FILE:
             if b"filename" not in options:
                 raise InputError("upload.file_missing", "The part 'file' has no file name")
-            self.file_name = _plain_name(_decoded(options[b"filename"]))
+            self.file_name = plain_name(_decoded(options[b"filename"]))
 
     def _add_data(self, data: bytes, start: int, end: int) -> None:
         if self._part == _FILE:
@@ -202,7 +164,7 @@ def _decoded(raw: bytes) -> str:
     return raw.decode("utf-8", errors="replace")
 
 
-def _plain_name(sent: str) -> str:
+def plain_name(sent: str) -> str:
     """The last part of whatever path the client's system put there."""
     name = sent.replace("\\", "/").rsplit("/", 1)[-1]
     return "".join(character for character in name if character.isprintable())[-200:] or "upload"

@@ -196,3 +196,20 @@ class AuditRow(Record):
     subject: Mapped[str] = mapped_column(Text)
     outcome: Mapped[str] = mapped_column(String(100))
     request_id: Mapped[str | None] = mapped_column(String(64))
+
+
+class UploadRow(Record):
+    """A file that comes in pieces."""
+
+    __tablename__ = "uploads"
+    __table_args__ = (Index(None, "workspace"), Index(None, "expires_at"))
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
+    file_name: Mapped[str] = mapped_column(Text)
+    fields: Mapped[dict[str, str]] = mapped_column(Json)
+    length: Mapped[int] = mapped_column(BigInteger)
+    received: Mapped[int] = mapped_column(BigInteger)
+    mesh_id: Mapped[str | None] = mapped_column(Identifier)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    expires_at: Mapped[datetime] = mapped_column(Instant)

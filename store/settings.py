@@ -113,6 +113,9 @@ class Settings(BaseSettings):
     )
     event_streams: int = Field(200, ge=1, le=10_000, description="Event streams the API keeps open at once")
     upload_limit_bytes: Size = Field(ByteSize(2 * GIB), description="Largest file of one upload")
+    upload_hours: float = Field(
+        24.0, gt=0, allow_inf_nan=False, description="How long an upload in pieces is kept after its last piece"
+    )
     intake_memory_bytes: Size = Field(ByteSize(4 * GIB), description="Address space of the child that reads an upload")
     intake_wall_s: Seconds = Field(120.0, description="Time the child has to read an upload")
     job_memory_bytes: Size = Field(ByteSize(8 * GIB), description="Memory of one job's child process")

@@ -1,0 +1,100 @@
+"""Uploads that come in pieces: what was announced, and how many bytes of it are safely here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import uuid4
+
+from sqlalchemy import delete, select
+
+from core.errors import StateError
+from store.database import Database
+from store.records import UploadRow
+from store.storable import storable, storable_text
+from store.workspace import WorkspaceId
+
+
+@dataclass(frozen=True, slots=True)
+class Upload:
+    """`received` of `length` bytes are on disk. fields: unit and name, as the multipart form has them. mesh_id: made of it."""
+
+    id: str
+    file_name: str
+    fields: Mapping[str, str]
+    length: int
+    received: int
+    mesh_id: str | None
+    created_at: datetime
+    expires_at: datetime
+
+
+class Uploads:
+    """The row says how much of the file counts; bytes behind that were never acknowledged."""
+
+    def __init__(self, db: Database, hours: float = 24.0) -> None:
+        self._db = db
+        self._hours = hours
+
+    def create(self, workspace: WorkspaceId, *, file_name: str, fields: Mapping[str, str], length: int) -> Upload:
+        """Announce an upload of `length` bytes."""
+        with self._db.session() as session:
+            now = self._db.now(session)
+            row = UploadRow(
+                id=str(uuid4()),
+                workspace=workspace,
+                file_name=storable_text(file_name),
+                fields=storable(dict(fields)),
+                length=length,
+                received=0,
+                created_at=now,
+                expires_at=now + timedelta(hours=self._hours),
+            )
+            session.add(row)
+            session.flush()
+            return _upload(row)
+
+    def get(self, workspace: WorkspaceId, upload_id: str) -> Upload:
+        """Raises StateError `upload.not_found`."""
+        with self._db.reading() as session:
+            return _upload(_known(session.get(UploadRow, upload_id), workspace, upload_id))
+
+    def advance(self, workspace: WorkspaceId, upload_id: str, received: int) -> Upload:
+        """That many bytes are on disk now. Raises StateError `upload.not_found`."""
+        with self._db.session() as session:
+            row = _known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id)
+            row.received = received
+            row.expires_at = self._db.now(session) + timedelta(hours=self._hours)
+            return _upload(row)
+
+    def finish(self, workspace: WorkspaceId, upload_id: str, mesh_id: str) -> None:
+        """A mesh was made of it. Raises StateError `upload.not_found`."""
+        with self._db.session() as session:
+            _known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id).mesh_id = mesh_id
+
+    def delete(self, workspace: WorkspaceId, upload_id: str) -> None:
+        """Raises StateError `upload.not_found`."""
+        with self._db.session() as session:
+            session.delete(_known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id))
+
+    def sweep(self) -> int:
+        """Forget uploads nobody went on with; returns how many. Their files go with `known`."""
+        with self._db.session() as session:
+            gone = session.scalars(delete(UploadRow).where(UploadRow.expires_at < self._db.now(session)).returning(UploadRow.id))
+            return len(gone.all())
+
+    def known(self) -> frozenset[str]:
+        """The ids of all uploads: any other file is nobody's."""
+        with self._db.reading() as session:
+            return frozenset(session.scalars(select(UploadRow.id)))
+
+
+def _known(row: UploadRow | None, workspace: WorkspaceId, upload_id: str) -> UploadRow:
+    if row is None or row.workspace != workspace:
+        raise StateError("upload.not_found", f"there is no upload {upload_id}", upload=upload_id)
+    return row
+
+
+def _upload(row: UploadRow) -> Upload:
+    return Upload(row.id, row.file_name, dict(row.fields), row.length, row.received, row.mesh_id, row.created_at, row.expires_at)
