@@ -58,8 +58,8 @@ def heal(mesh: Mesh, inputs: HealInputs, run: RunContext = SILENT) -> Healed:
     Needs:    nothing of its shape.
     Promises: closed, edge- and vertex-manifold, outward, exactly free of self-intersection, coordinates exact in float32; faces
               away from faults keep their corners bit for bit; a fit surface comes back as it is; same input, same bytes.
-    Raises:   InputError `heal.nothing_left`, `heal.one_sided`, `heal.hole_too_large`, `heal.holes_not_allowed`,
-              `heal.changes_too_much`, `heal.not_resolved`.
+    Raises:   InputError `heal.nothing_left`, `heal.open_sheet`, `heal.one_sided`, `heal.hole_too_large`,
+              `heal.holes_not_allowed`, `heal.changes_too_much`, `heal.not_resolved`.
     Source:   the stages name theirs."""
     before, changes = _rounded(mesh)
     run.stage("heal: look for faults", 0.0, 0.1)
@@ -119,7 +119,8 @@ class _Draft:
         self._apply(partial(drop_scraps, policy=inputs.pieces))
         if measure_volume:
             volumes = np.abs(piece_volumes(self.vertices, self.faces))
-            self.volume_range = float(volumes.max()), float(volumes.sum())
+            # further pieces may be parts, of which some is swallowed, or cavities
+            self.volume_range = float(2.0 * volumes.max() - volumes.sum()), float(volumes.sum())
         self._apply(partial(fill_holes, allowed=inputs.fill_holes, max_hole_mm=inputs.max_hole_mm))
         self._apply(part_pinched_vertices)
 

@@ -26,7 +26,7 @@ FLATTEST = 0.02  # 6 √π V / A^1.5, 1 for a sphere: an open piece below it is 
 def drop_scraps(vertices: Vertices, faces: Faces, policy: PiecesPolicy) -> Staged:
     """Take away open pieces that are small, or so flat that they enclose nothing. The largest piece stays.
 
-    Needs consistent orientation. Raises: InputError `heal.nothing_left`.
+    Needs consistent orientation. Raises: InputError `heal.nothing_left`, `heal.open_sheet`.
     """
     require_faces(faces)
     found = edges(faces)
@@ -36,8 +36,16 @@ def drop_scraps(vertices: Vertices, faces: Faces, policy: PiecesPolicy) -> Stage
     area = np.bincount(piece, weights=face_areas(vertices, faces), minlength=count).astype(np.float64)
     is_open = np.bincount(piece[(found.face_count[found.of_face] == 1).any(axis=1)], minlength=count) > 0
     small = (area < SCRAP_SHARE * area.max()) & (policy != "keep_all")
-    unwanted = is_open & (small | (_roundness(vertices, faces, found, piece, area) < FLATTEST))
-    unwanted[np.argmax(area)] = False
+    flat = _roundness(vertices, faces, found, piece, area) < FLATTEST
+    largest = int(np.argmax(area))
+    if is_open[largest] and flat[largest]:
+        raise InputError(
+            "heal.open_sheet",
+            f"the surface is an open sheet of {area[largest]:.4g} mm² that encloses nothing, so it cannot be closed to a body",
+            area_mm2=float(area[largest]),
+        )
+    unwanted = is_open & (small | flat)
+    unwanted[largest] = False
     if unwanted.any():
         unwanted[_islets(vertices, faces, piece, unwanted)] = False
     return take_away(vertices, faces, unwanted[piece], piece, "scraps", "open pieces that enclose nothing were taken away")
