@@ -92,8 +92,8 @@ def _unfold_all(
 
 def _unite(vertices: Vertices, faces: Faces, arrangement: Arrangement) -> tuple[Vertices, Faces, Change]:
     """The union of all parts; its seams are where new faces are."""
-    points, joined, is_new = unite(vertices, faces, arrangement)
-    points, joined = tidy_seam(points, joined, is_new)
+    points, joined, is_new, birth = unite(vertices, faces, arrangement)
+    points, joined = tidy_seam(points, joined, is_new, face_components(edges(faces))[1][birth])
     gone = np.setdiff1d(faces, joined)
     places = points[len(vertices) :]
     distance = closest_points_in(FaceTree.of(vertices, faces), places)[0]

@@ -18,40 +18,37 @@ Ints = NDArray[np.int64]
 SHRED_SHARE = 1e-3  # of the largest piece's area: smaller pieces that a cut left over are dropped
 
 
-def unite(vertices: Vertices, faces: Faces, arrangement: Arrangement) -> tuple[Vertices, Faces, Flags]:
-    """The border of all space inside of the surface: new vertices, faces, and which of these are parts of cut faces (G,).
+def unite(vertices: Vertices, faces: Faces, arrangement: Arrangement) -> tuple[Vertices, Faces, Flags, Ints]:
+    """The border of all space inside of the surface: new vertices, faces (G, 3), which of these are parts of cut faces (G,),
+    and the face each is part of (G,).
 
     Faces that nothing cuts keep their corners bit for bit and come first, in their order; vertices keep their numbers and
     new ones follow, on coordinates of float32, in the order of their places.
     """
     points, parts, birth = arrangement.union()
     whole = np.bincount(birth, minlength=len(faces))[birth] == 1
-    whole &= (np.sort(_place_keys(points, vertices)[parts], axis=1) == np.sort(_own_keys(vertices)[faces[birth]], axis=1)).all(
-        axis=1
-    )
+    corner = _numbers_at(points, vertices)
+    whole &= (np.sort(corner[parts], axis=1) == np.sort(position_ids(vertices)[faces[birth]], axis=1)).all(axis=1)
     kept = np.sort(birth[whole])
     cut = parts[~whole]
-    corner = _place_keys(points, vertices)
     new = np.unique(cut[corner[cut] < 0])
     rounded = points[new].astype(np.float32).astype(np.float64)
-    order = np.lexsort(rounded.T[::-1])
-    corner[new[order]] = len(vertices) + np.arange(len(new))
+    by_place = np.lexsort(rounded.T[::-1])
+    corner[new[by_place]] = len(vertices) + np.arange(len(new))
+    every = np.concatenate((vertices, rounded[by_place]))
     added = corner[cut]
     first = added.argmin(axis=1)
     added = np.take_along_axis(added, (first[:, None] + np.arange(3)) % 3, axis=1)
-    added = added[np.lexsort(added.T[::-1])]
-    joined = np.concatenate((faces[kept], added)).astype(np.int32)
+    order = np.lexsort(added.T[::-1])
+    joined = np.concatenate((faces[kept], added[order])).astype(np.int32)
+    origin = np.concatenate((kept, birth[~whole][order]))
     is_new = np.arange(len(joined)) >= len(kept)
-    stays = ~_shreds(np.concatenate((vertices, rounded[order])), joined, is_new)
-    return np.concatenate((vertices, rounded[order])), joined[stays], is_new[stays]
+    stays = ~_shreds(every, joined, is_new)
+    return every, joined[stays], is_new[stays], origin[stays]
 
 
-def _own_keys(vertices: Vertices) -> Ints:
-    return position_ids(vertices)
-
-
-def _place_keys(points: Vertices, vertices: Vertices) -> Ints:
-    """For each of points (W, 3) the lowest vertex number at its place, or -1."""
+def _numbers_at(points: Vertices, vertices: Vertices) -> Ints:
+    """For each of points (W, 3) the vertex at its place, the first of several, or -1."""
     ids = position_ids(np.concatenate((vertices, points)))[len(vertices) :]
     return np.where(ids < len(vertices), ids, -1)
 
