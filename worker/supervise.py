@@ -23,6 +23,12 @@ from worker.workshop import Workshop
 logger = logging.getLogger(__name__)
 
 WATCH_S = 0.2  # between looks at memory, clock and disk
+LOADING = {
+    "kind": "progress",
+    "progress": 0.0,
+    "phase": "load the libraries",
+    "message": "libraries are being loaded; after an installation or update kernels are compiled, which takes up to a minute",
+}
 RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed"})  # another attempt may fare better
 
 T = TypeVar("T")
@@ -86,9 +92,11 @@ class _Attempt:
     def _await_nursery(self) -> None:
         """The lease must be kept while the nursery loads, too."""
         patience = int(self._workshop.nursery.ready_timeout_s / WATCH_S)
-        for _ in range(patience):
+        for number in range(patience):
             if self._workshop.nursery.wait_until_ready(WATCH_S):
                 return
+            if number == 0:
+                self._progress.hear(LOADING)
             self._lease.beat()
 
     def _payload(self, folder: Path) -> dict[str, Any]:

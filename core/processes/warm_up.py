@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from core.decimation.decimate import decimate
 from core.geometry.clearance import Clearance, MovingSurface
 from core.grafting.band import triangulate_band
+from core.healing.heal import heal
 from core.mesh import Mesh
 from core.reports.figures.compose import draw_mesh_figures
+from core.schema.decimate import DecimateInputs
+from core.schema.heal import HealInputs
 from core.schema.reference import MeshReference
 from core.schema.shells import Layer, ShellsInputs
 from core.schema.smooth import SmoothInputs
@@ -42,4 +48,9 @@ def warm_up() -> None:
     create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
     for method in ("wcc", "taubin"):
         smooth({"cube": cube}, SmoothInputs(mesh=inputs.skin, method=method, retriangulate=True))
+    for target in ({"target_faces": 10}, {"max_deviation_mm": 1.0}, {"target_faces": 10, "literal": True}):
+        decimate({"cube": cube}, DecimateInputs.model_validate({"mesh": inputs.skin, **target}))
+    other = cube.vertices + 0.4 * SIZE_MM
+    crossing = Mesh.of(np.vstack((cube.vertices, other)), np.vstack((cube.faces[2:], cube.faces + len(cube.vertices))))
+    heal(crossing, HealInputs(mesh=inputs.skin, max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
     triangulate_band(cube.vertices[[0, 4, 6, 2]], cube.vertices[[1, 5, 7, 3]])

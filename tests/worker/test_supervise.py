@@ -131,6 +131,7 @@ def test_a_job_can_be_dismissed_and_keeps_its_lease_while_the_nursery_loads(
     assert job.lease_until is not None
     assert held.lease_until is not None
     assert held.lease_until < job.lease_until  # claimed for 30 s, renewed for lease_s
+    assert (held.phase, "kernels are compiled" in (held.message or "")) == ("load the libraries", True)
     asked = time.monotonic()
     workshop.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     thread.join(10)

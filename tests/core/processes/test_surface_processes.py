@@ -31,7 +31,7 @@ PACKAGE = "/v1/jobs/00000000-0000-0000-0000-000000000001/results/package"
 ZIPPED = {"media_type": "application/zip", "file_name": "package.zip"}
 DEFECTIVE = "ball, bodies sharing an edge + scraps outside + inside out"
 HALF = {"target_ratio": 0.5}
-PROCESSES = {"heal": {}, "decimate": HALF, "smooth": {"iterations": 3}}
+PROCESSES: dict[str, dict[str, Any]] = {"heal": {}, "decimate": HALF, "smooth": {"iterations": 3}}
 
 
 class Phases:
