@@ -12,15 +12,16 @@ from core.geometry.distance import closest_points_in
 from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.face_tree import FaceTree
 from core.healing.change import Change, Staged
+from core.healing.fitness import NAME
 from core.healing.intersections.arrangement import Arrangement
 from core.healing.intersections.clusters import Cluster, find_clusters
 from core.healing.intersections.seam import tidy_seam
 from core.healing.intersections.unfold import unfold
 from core.healing.intersections.unite import unite
-from core.mesh import Faces, Vertices
+from core.mesh import Faces, Mesh, Vertices
 from core.run import SILENT, RunContext
-from core.schema.finding import MAX_PLACES, Finding, Place, Severity
-from core.validation.places import point_of
+from core.validation.self_intersection import check_self_intersection
+from core.validation.surface import Surface
 
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
@@ -102,15 +103,8 @@ def _unite(vertices: Vertices, faces: Faces, arrangement: Arrangement) -> tuple[
 
 
 def _refusal(vertices: Vertices, faces: Faces, pairs: Ints) -> InputError:
-    clusters = find_clusters(faces, len(vertices), pairs)
-    message = f"{len(pairs)} pairs of faces in {len(clusters)} place(s) intersect still, after {ROUNDS} rounds of mending"
-    places = tuple(
-        Place(
-            mesh="surface",
-            point_mm=point_of(vertices[faces[cluster.faces]].mean(axis=(0, 1))),
-            faces=tuple(cluster.faces[:MAX_PLACES].tolist()),
-        )
-        for cluster in clusters[:MAX_PLACES]
-    )
-    finding = Finding(code="heal.intersections_remain", severity=Severity.ERROR, message=message, count=len(pairs), places=places)
-    return InputError("heal.intersections_remain", message, findings=(finding,), count=len(pairs), places=len(clusters))
+    used, corners = np.unique(faces, return_inverse=True)
+    findings = tuple(check_self_intersection(Surface(NAME, Mesh.of(vertices[used], corners.reshape(-1, 3)), pairs)))
+    places = len(find_clusters(faces, len(vertices), pairs))
+    message = f"{len(pairs)} pairs of faces in {places} place(s) still intersect after {ROUNDS} rounds of smoothing and uniting"
+    return InputError("heal.intersections_remain", message, findings=findings, count=len(pairs), places=places)
