@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from api.app import create_app
 from api.binding import require_allowed_binding
-from core.errors import InputError
+from core.errors import IntegumentError
 from store.settings import Settings
 
 GRACE_S = 5  # for answers under way; streams and long polls end at once
@@ -37,7 +37,7 @@ def main() -> int:
     try:
         settings = Settings()
         require_allowed_binding(settings)
-    except (ValidationError, InputError) as error:
+    except (ValidationError, IntegumentError) as error:
         print(f"python -m api: {error}", file=sys.stderr)
         return 2
     app = create_app(settings)

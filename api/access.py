@@ -8,23 +8,29 @@ from typing import Annotated
 from fastapi import Depends
 from starlette.requests import Request
 
+from store.scope import Scope
 from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
+
+SCOPE_KEY = "access"  # of ASGI's scope
 
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """What the caller may see."""
+    """What the caller may see and do; `key_id` is None where no key is asked for."""
 
     workspace: WorkspaceId
+    scopes: frozenset[Scope]
+    key_id: str | None = None
 
 
-EMBEDDED = Access(DEFAULT_WORKSPACE)
-"""Of whoever reaches the loopback port of a server that asks for no keys."""
+EMBEDDED = Access(DEFAULT_WORKSPACE, frozenset(Scope))
+"""Of whoever reaches a server that asks for no keys."""
 
 
-def access_of(_request: Request) -> Access:
-    """The access of the request that is being served."""
-    return EMBEDDED
+def access_of(request: Request) -> Access:
+    """The access `api.gate` found; without it nothing is served."""
+    access: Access = request.scope[SCOPE_KEY]
+    return access
 
 
 def workspace_of(request: Request) -> WorkspaceId:
@@ -32,4 +38,5 @@ def workspace_of(request: Request) -> WorkspaceId:
     return access_of(request).workspace
 
 
+AccessDep = Annotated[Access, Depends(access_of)]
 WorkspaceDep = Annotated[WorkspaceId, Depends(workspace_of)]

@@ -12,6 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 
 from api.body_limit import BodyLimit
+from api.gate import Gate
 from api.links import BASE
 from api.openapi import install_openapi
 from api.partial_file import sweep_partial_files
@@ -51,6 +52,7 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=_lifespan,
         middleware=[
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
+            Middleware(Gate, admission=services.admission),
             Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )

@@ -33,22 +33,23 @@ class BodyLimit:
         async def limited() -> Message:
             nonlocal size
             if not declared.isdecimal() or int(declared[:18]) > MAX_BODY_BYTES:
-                await _drain(receive)
+                await drain(receive)
                 raise HTTPException(413)
             message = await receive()
             size += len(message.get("body", b""))
             if size > MAX_BODY_BYTES:
                 if message.get("more_body", False):
-                    await _drain(receive)
+                    await drain(receive)
                 raise HTTPException(413)
             return message
 
         await self.app(scope, limited, send)
 
 
-async def _drain(receive: Receive) -> None:
+async def drain(receive: Receive) -> None:
+    """Read and forget what is still coming, for DRAIN_S at most."""
     with anyio.move_on_after(DRAIN_S):
         more = True
         while more:
             message = await receive()
-            more = bool(message.get("more_body", False))
+            more = message["type"] == "http.request" and bool(message.get("more_body", False))

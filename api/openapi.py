@@ -11,7 +11,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from api.dialect import to_common_dialect
+from api.needed_scope import needed_scope
 from api.problems import MEDIA_TYPE
+from api.responses import problems
 from core.schema.processes import PROCESSES
 from core.schema.report import Report
 
@@ -25,6 +27,14 @@ TAGS = [
     {"name": "Health", "description": "For supervisors and dashboards"},
 ]
 _REF = "#/components/schemas/{model}"
+SECURITY = "apiKey"
+SECURITY_SCHEME = {
+    "type": "http",
+    "scheme": "bearer",
+    "bearerFormat": "itg_<id>_<secret>_<checksum>",
+    "description": "An API key, made by `integument admin keys create`. Never in a URL.",
+}
+GATE_STATUSES = (401, 403, 429)
 _FRAMEWORK_SCHEMAS = ("HTTPValidationError", "ValidationError")
 
 
@@ -54,8 +64,10 @@ def build_openapi(app: FastAPI) -> dict[str, Any]:
     for name in _FRAMEWORK_SCHEMAS:
         schemas.pop(name, None)
     document["components"]["schemas"] = {name: to_common_dialect(schema) for name, schema in sorted(schemas.items())}
-    for operations in document["paths"].values():
-        for operation in operations.values():
+    document["components"]["securitySchemes"] = {SECURITY: SECURITY_SCHEME}
+    for path, operations in document["paths"].items():
+        for method, operation in operations.items():
+            _add_security(method, path, operation)
             _rewrite(operation)
     return document
 
@@ -70,6 +82,20 @@ def _add_inputs(schemas: dict[str, Any]) -> None:
         "anyOf": [{"$ref": _REF.format(model=process.inputs.__name__)} for process in PROCESSES.values()],
         "description": inputs["description"],
     }
+
+
+def _add_security(method: str, path: str, operation: dict[str, Any]) -> None:
+    """What `api.gate` asks for and refuses with, in front of every route."""
+    need = needed_scope(method, path)
+    if need is None:
+        operation["security"] = []
+        return
+    operation["security"] = [{SECURITY: []}, {}]  # the second: a server without keys asks for none
+    operation["description"] = f"{operation.get('description', '')}\n\nScope of the API key: `{need}`.".strip()
+    problem = {"application/json": {"schema": {"$ref": _REF.format(model="Problem")}}}
+    declared = problems(*GATE_STATUSES)
+    refusals = {str(status): {"description": declared[status]["description"], "content": problem} for status in GATE_STATUSES}
+    operation["responses"] = dict(sorted({**refusals, **operation["responses"]}.items()))
 
 
 def _rewrite(operation: dict[str, Any]) -> None:

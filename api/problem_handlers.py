@@ -50,6 +50,11 @@ def on_unexpected(request: Request, error: Exception) -> Response:
 async def _on_integument_error(request: Request, error: Exception) -> Response:
     if not isinstance(error, IntegumentError):
         raise error
+    return answer_error(request, error)
+
+
+def answer_error(request: Request, error: IntegumentError) -> Response:
+    """The answer that tells of a failure of ours; internal ones go to the log, too."""
     problem = problem_of(request, error)
     if error.fault == "internal":
         logger.error("request %s failed: %s %s", problem.request_id, error.code, error.message, exc_info=error)
@@ -57,6 +62,11 @@ async def _on_integument_error(request: Request, error: Exception) -> Response:
 
 
 def _headers_of(problem: Problem) -> dict[str, str]:
+    if problem.status == HTTPStatus.UNAUTHORIZED:
+        error = "" if problem.code == "access.key_missing" else ', error="invalid_token"'
+        return {"WWW-Authenticate": f'Bearer realm="integument"{error}'}
+    if problem.status == HTTPStatus.FORBIDDEN and "needed" in problem.facts:
+        return {"WWW-Authenticate": f'Bearer realm="integument", error="insufficient_scope", scope="{problem.facts["needed"]}"'}
     if problem.status == HTTPStatus.SERVICE_UNAVAILABLE:
         return {"Retry-After": "1"}
     if problem.status == HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE:

@@ -27,6 +27,10 @@ STATUS_BY_FAULT: dict[Fault, int] = {
 }
 # only what differs from its fault's status
 STATUS_BY_CODE: dict[str, int] = {
+    "access.key_expired": HTTPStatus.UNAUTHORIZED,
+    "access.key_invalid": HTTPStatus.UNAUTHORIZED,
+    "access.key_missing": HTTPStatus.UNAUTHORIZED,
+    "access.scope_missing": HTTPStatus.FORBIDDEN,
     "blobs.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "database.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "format.unknown": HTTPStatus.UNSUPPORTED_MEDIA_TYPE,

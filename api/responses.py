@@ -10,6 +10,8 @@ Responses = dict[int | str, dict[str, Any]]
 
 _MEANINGS = {
     400: "The request cannot be understood",
+    401: "An API key is asked for, and this is none that is good",
+    403: "The API key does not allow this, or the workspace is full",
     404: "There is no such thing",
     409: "The state of the thing forbids it",
     412: "Another version of tus is spoken here",
@@ -18,6 +20,7 @@ _MEANINGS = {
     416: "The range lies behind the end of the file",
     423: "Another request has it; try again",
     422: "The request is at fault, `errors` and `findings` say where",
+    429: "Too many requests or jobs of this workspace; `Retry-After` says when to try again",
     460: "The checksum is another; nothing was kept of the request",
     500: "The server is at fault",
     503: "Not now; try again",

@@ -9,9 +9,11 @@ from typing import Annotated
 import anyio
 from fastapi import Depends, Request
 
+from api.admission import Admission
 from api.drain import Drain
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
+from store.api_keys import ApiKeys
 from store.backlog import Backlog
 from store.blobs import Blobs
 from store.database import Database
@@ -47,6 +49,7 @@ class Services:
     nursery: Nursery
     intake_slots: anyio.CapacityLimiter
     streams: StreamSlots
+    admission: Admission
     drain: Drain
 
     @property
@@ -79,6 +82,7 @@ def make_services(settings: Settings) -> Services:
         nursery=Nursery(preload=INTAKE_MODULES),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
+        admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=Drain(),
     )
 

@@ -17,6 +17,7 @@ from server.stop_signals import StopSignals
 from server.valkey import broker_url
 from store.settings import Settings
 
+DATABASE = "integument.sqlite3"
 DRAIN_S = 3.0  # whoever presses Ctrl-C waits for it; jobs that did not end by then start over next time
 
 
@@ -40,14 +41,15 @@ def serve(*, data_dir: Path, host: str = "127.0.0.1", port: int = 8000, announce
 
 
 def _serve(data_dir: Path, host: str, port: int, tell: Announce) -> None:
-    given = Settings(data_dir=data_dir, host=host, port=port)
+    # never a foreign database: the lock guards this folder only
+    given = Settings(data_dir=data_dir, database_url=f"sqlite:///{data_dir.absolute()}/{DATABASE}", host=host, port=port)
     require_allowed_binding(given)
     folder = DataFolder(data_dir)
     try:
         port = choose_port(host, port)
         settings = Settings(
             data_dir=folder.path,
-            database_url=f"sqlite:///{folder.path}/integument.sqlite3",  # never a foreign one: the lock guards this folder only
+            database_url=f"sqlite:///{folder.path}/{DATABASE}",
             broker_url=broker_url(folder.socket_path),
             host=host,
             port=port,

@@ -99,20 +99,14 @@ class ApiKeys:
             row = session.get(ApiKeyRow, key_id)
             return row is not None and _key(row).state_at(self._db.now(session)) == "live"
 
-    def any(self) -> bool:
-        """True once a key was made, whatever became of it."""
+    def any(self, *, before_migration: bool = False) -> bool:
+        """True once a key was made, whatever became of it. `before_migration`: there may be no such table yet."""
         if not self._any:
             with self._db.reading() as session:
+                if before_migration and not inspect(session.connection()).has_table(ApiKeyRow.__tablename__):
+                    return False
                 self._any = bool(session.scalar(select(exists().select_from(ApiKeyRow))))
         return self._any
-
-    def any_live(self) -> bool:
-        """True if somebody has a key that is good now; False also where there is no such table yet."""
-        with self._db.reading() as session:
-            if not inspect(session.connection()).has_table(ApiKeyRow.__tablename__):
-                return False
-            now = self._db.now(session)
-            return any(_key(row).state_at(now) == "live" for row in session.scalars(select(ApiKeyRow)))
 
     def _note_use(self, key_id: str, now: datetime) -> None:
         try:

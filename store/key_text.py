@@ -21,7 +21,9 @@ _KEY = re.compile(
     rf"(?P<body>{PREFIX}_(?P<id>[0-9A-Za-z]{{{ID_CHARACTERS}}})_[0-9A-Za-z]{{{SECRET_CHARACTERS}}})"
     rf"_(?P<checksum>[0-9A-Za-z]{{{CHECKSUM_CHARACTERS}}})"
 )
-_ANYWHERE = re.compile(rf"\b{PREFIX}_([0-9A-Za-z]{{{ID_CHARACTERS}}})_[0-9A-Za-z]{{8,}}(?:_[0-9A-Za-z]+)?")
+_ANYWHERE = re.compile(
+    rf"{PREFIX}_([0-9A-Za-z]{{{ID_CHARACTERS}}})_[0-9A-Za-z]{{1,{SECRET_CHARACTERS}}}(?:_[0-9A-Za-z]{{1,{CHECKSUM_CHARACTERS}}})?"
+)
 
 
 @dataclass(frozen=True, slots=True)

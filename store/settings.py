@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, ByteSize, Field, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -15,7 +15,7 @@ from sqlalchemy.exc import ArgumentError
 from store.s3_place import S3Place
 
 PREFIX = "INTEGUMENT_"
-CLIENT_VARIABLES = frozenset({"INTEGUMENT_URL"})
+CLIENT_VARIABLES = frozenset({"INTEGUMENT_URL", "INTEGUMENT_API_KEY"})
 """Read by the client alone; a server beside it lets them pass."""
 
 DATABASE_SCHEMES = ("sqlite", "postgresql", "postgresql+psycopg")
@@ -105,8 +105,8 @@ class Settings(BaseSettings):
     queue: str = Field("jobs", pattern=r"^[a-z][a-z0-9_.-]{0,63}$", description="Name of the queue API and workers share")
     host: str = Field("127.0.0.1", min_length=1, description="Address the API binds")
     port: int = Field(8000, ge=0, le=65535, description="Port the API binds; 0 picks a free one")
-    allow_remote: bool = Field(
-        False, description="Let the API bind an address others can reach; there are no keys yet, so whoever reaches it may use it"
+    require_keys: Literal["auto", "true"] = Field(
+        "auto", description="`auto`: API keys are asked for once one was made; `true`: always, so set it behind a proxy"
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = Field(
         (), description="Host names requests may carry besides loopback ones, separated by commas; `*` for any"
@@ -150,6 +150,12 @@ class Settings(BaseSettings):
                 near = difflib.get_close_matches(name.upper(), known, n=1)
                 raise ValueError(f"no setting is called {name}" + (f"; did you mean {near[0]}?" if near else ""))
         return values
+
+    @property
+    def sqlite_path(self) -> Path | None:
+        """The file of a SQLite database; None for a server."""
+        url = make_url(self.database_url)
+        return Path(str(url.database)) if url.get_backend_name() == "sqlite" else None
 
     @property
     def blob_dir(self) -> Path:

@@ -11,13 +11,12 @@ from fastapi import APIRouter, Depends, Header, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
-from api.access import WorkspaceDep
+from api.access import Access, AccessDep
 from api.parameters import JobId
 from api.responses import problems
 from api.services import Services, ServicesDep
 from core.errors import StateError
 from store.events import Event
-from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
 
@@ -37,7 +36,7 @@ After = Annotated[int | None, Query(ge=0, le=LARGEST_SEQ, description="The same,
 class _Stream:
     """A slot that is taken, and where to begin."""
 
-    workspace: WorkspaceId
+    access: Access
     job_id: str
     after: int
 
@@ -45,14 +44,14 @@ class _Stream:
 def _open_stream(
     job_id: JobId,
     services: ServicesDep,
-    workspace: WorkspaceDep,
+    access: AccessDep,
     last_event_id: LastEventId = None,
     after: After = None,
 ) -> Iterator[_Stream]:
     """Everything that can be refused is refused before the stream begins."""
-    services.jobs.get(workspace, job_id)
+    services.jobs.get(access.workspace, job_id)
     with services.streams.take():
-        yield _Stream(workspace, job_id, last_event_id if last_event_id is not None else after or 0)
+        yield _Stream(access, job_id, last_event_id if last_event_id is not None else after or 0)
 
 
 @router.get(
@@ -74,7 +73,7 @@ async def stream_events(
     yield ServerSentEvent(retry=RETRY_MS, comment="events of a job")
     seen, looked_at = stream.after, -STILL_THERE_S
     while not services.drain.begun:
-        events = await run_in_threadpool(services.events.after, stream.workspace, stream.job_id, seen, BATCH)
+        events = await run_in_threadpool(services.events.after, stream.access.workspace, stream.job_id, seen, BATCH)
         for event in events:
             last = event.type == DONE and await run_in_threadpool(_is_last, services, stream, event)
             yield _sent(event, last)
@@ -98,15 +97,17 @@ def _sent(event: Event, last: bool) -> ServerSentEvent:
 
 def _is_last(services: Services, stream: _Stream, event: Event) -> bool:
     try:
-        return services.jobs.get(stream.workspace, event.job_id).event_seq == event.seq
+        return services.jobs.get(stream.access.workspace, event.job_id).event_seq == event.seq
     except StateError:  # removed just now
         return True
 
 
 def _is_open(services: Services, stream: _Stream, seen: int) -> bool:
-    """False if the job is gone, or over and all its events were seen before."""
+    """False if the job is gone, or over and all its events were seen before, or whoever listens is no longer let in."""
+    if not services.admission.holds(stream.access):
+        return False
     try:
-        job = services.jobs.get(stream.workspace, stream.job_id)
+        job = services.jobs.get(stream.access.workspace, stream.job_id)
     except StateError:
         return False
     return not job.status.is_finished or job.event_seq > seen

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from integument.answer import read_json
+from integument.api_key import key_of_environment
 from integument.download import download, offered_file_name
 from integument.errors import ArgumentError, JobDismissedError, JobFailedError, ReplyError, WaitTimeoutError
 from integument.event import JobEvent
@@ -36,13 +37,28 @@ class Client(SurfaceProcesses):
     """Talks to one server.
 
     url: the server; without it INTEGUMENT_URL, else http://127.0.0.1:8000, where `integument serve` listens.
+    api_key: without it INTEGUMENT_API_KEY; a server on this machine that asks for none does not look at it.
     timeout_s: how long one answer may take. retries: how often a broken connection, 429, 502, 503 or 504 is tried again.
     All methods raise ServerUnreachableError when no answer came in the end, and ProblemError when the server refused.
     """
 
-    def __init__(self, url: str | None = None, *, timeout_s: float = 30.0, retries: int = 5, first_pause_s: float = 0.25) -> None:
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        api_key: str | None = None,
+        timeout_s: float = 30.0,
+        retries: int = 5,
+        first_pause_s: float = 0.25,
+    ) -> None:
         address = url or os.environ.get("INTEGUMENT_URL") or DEFAULT_URL
-        self._transport = Transport(address, timeout_s=timeout_s, retries=retries, first_pause_s=first_pause_s)
+        self._transport = Transport(
+            address,
+            api_key=api_key or key_of_environment(),
+            timeout_s=timeout_s,
+            retries=retries,
+            first_pause_s=first_pause_s,
+        )
 
     @property
     def url(self) -> str:

@@ -1,11 +1,11 @@
-"""The server, if it is installed beside this client: entry point `serve` of the group `integument.server`."""
+"""The server, if it is installed beside this client: entry points `serve` and `admin` of the group `integument.server`."""
 
 from __future__ import annotations
 
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
@@ -14,12 +14,12 @@ from integument.errors import ServerNotInstalledError
 from integument.file_lock import FileLock
 
 GROUP = "integument.server"
-NAME = "serve"
+SERVE, ADMIN = "serve", "admin"
 
 
 def server_is_installed() -> bool:
     """Nothing is imported."""
-    return _find() is not None
+    return _find(SERVE) is not None
 
 
 def run_server(*, data_dir: Path, host: str, port: int, while_used: bool = False) -> int:
@@ -28,7 +28,7 @@ def run_server(*, data_dir: Path, host: str, port: int, while_used: bool = False
     while_used: stop when no call holds `clients.lock` any more.
     Raises: ServerNotInstalledError.
     """
-    entry = _find()
+    entry = _find(SERVE)
     if entry is None:
         raise ServerNotInstalledError
     serve: Callable[..., int] = entry.load()
@@ -38,8 +38,17 @@ def run_server(*, data_dir: Path, host: str, port: int, while_used: bool = False
     return serve(data_dir=data_dir, host=host, port=port)
 
 
-def _find() -> EntryPoint | None:
-    return next(iter(entry_points(group=GROUP, name=NAME)), None)
+def run_admin(words: Sequence[str]) -> int:
+    """Run an admin command of the server in this process; returns its exit code. Raises: ServerNotInstalledError."""
+    entry = _find(ADMIN)
+    if entry is None:
+        raise ServerNotInstalledError
+    admin: Callable[[Sequence[str]], int] = entry.load()
+    return admin(words)
+
+
+def _find(name: str) -> EntryPoint | None:
+    return next(iter(entry_points(group=GROUP, name=name)), None)
 
 
 def _stop_when_free(lock: FileLock) -> None:

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import httpx
 
+from integument.api_key import authorization
 from integument.backoff import Backoff
 from integument.errors import ArgumentError, ProblemError, ServerError, ServerUnreachableError
 from integument.problem import read_problem
@@ -26,7 +27,8 @@ UNSENT = (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout)
 class Transport:
     """One server, one pool of connections."""
 
-    def __init__(self, url: str, *, timeout_s: float, retries: int, first_pause_s: float) -> None:
+    def __init__(self, url: str, *, api_key: str | None, timeout_s: float, retries: int, first_pause_s: float) -> None:
+        """Raises: ArgumentError for an address or key that is none."""
         self.url = normalise_url(url)
         self._retries = retries
         self.first_pause_s = first_pause_s
@@ -34,7 +36,7 @@ class Transport:
         self._http = httpx.Client(
             base_url=self.url,
             timeout=self._timeout(timeout_s),
-            headers={"User-Agent": f"integument/{_own_version()}"},
+            headers={"User-Agent": f"integument/{_own_version()}", **authorization(api_key)},
             verify=tls_context(),
             trust_env=not _is_loopback(self.url),  # a proxy cannot reach this machine's own loopback
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -23,9 +24,10 @@ STOP_S = 60.0
 
 @dataclass(frozen=True)
 class Lab:
-    """A running lab: where its API is, and its workers by the name of their host."""
+    """A running lab: where its API is, a key for it, and its workers by the name of their host."""
 
     url: str
+    key: str
     workers: Mapping[str, subprocess.Popen[bytes]]
 
 
@@ -74,6 +76,9 @@ def lab(
     assert run("migrate", services["migrate"]["command"], "api", "migrate").wait(START_S) == 0, (
         folder / "migrate.log"
     ).read_text()
+    make_key = ["python", "-m", "server.admin", "--json", "keys", "create"]
+    assert run("migrate", make_key, "api", "key").wait(START_S) == 0, (folder / "key.log").read_text()
+    key = json.loads((folder / "key.log").read_text().partition("}")[0] + "}")["key"]  # the note of stderr follows
     with ExitStack() as running:
         workers = {}
         for name, host in (*(("worker", f"worker-{number}") for number in range(1, hosts + 1)), ("api", "api")):
@@ -82,7 +87,7 @@ def lab(
             if name == "worker":
                 workers[host] = process
             await_health(name, host, process)
-        yield Lab(f"http://127.0.0.1:{port}", workers)
+        yield Lab(f"http://127.0.0.1:{port}", key, workers)
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:

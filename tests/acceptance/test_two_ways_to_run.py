@@ -15,7 +15,7 @@ from tests.valkey import ValkeyServer
 def test_both_make_the_same_package(
     main_job: MainJob, service: Service, tmp_path: Path, postgres: PostgresServer, valkey: ValkeyServer
 ) -> None:
-    with lab(tmp_path, postgres.new_database(), valkey.url) as there_is, closing(Service(there_is.url)) as there:
+    with lab(tmp_path, postgres.new_database(), valkey.url) as there_is, closing(Service(there_is.url, there_is.key)) as there:
         job = there.shells(there.upload(body(0), "body"))
         there.succeed(job)
         assert sha256(there.result(job, "package")).hexdigest() == sha256(main_job.package).hexdigest()

@@ -10,6 +10,7 @@ from pathlib import Path
 from store.database import Database
 from store.jobs import Jobs
 from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
 from subjects.body import body
 from tests.acceptance.conftest import MainJob
 from tests.acceptance.lab import lab
@@ -27,7 +28,7 @@ def test_a_job_survives_the_kill_of_its_worker_host(
     database_url, blobs_url = postgres.new_database(), seaweed.new_bucket()
     with (
         lab(tmp_path, database_url, valkey.url, blobs_url=blobs_url, hosts=2, **SHORT_LEASE) as there_is,
-        closing(Service(there_is.url)) as there,
+        closing(Service(there_is.url, there_is.key)) as there,
     ):
         job = there.shells(there.upload(body(0), "body"))
         there.wait(job, lambda status: status["progress"] >= 20)
@@ -49,6 +50,6 @@ def _holder(database_url: str, folder: Path, job: str) -> int:
     """The process of the worker that holds a job."""
     database = Database(Settings(data_dir=folder / "looking", database_url=database_url))
     with closing(database):
-        owner = Jobs(database).get(job.rpartition("/")[2]).lease_owner
+        owner = Jobs(database).get(DEFAULT_WORKSPACE, job.rpartition("/")[2]).lease_owner
         assert owner is not None
         return int(owner.rpartition(":")[2])

@@ -19,7 +19,7 @@ from api.app import create_app
 from api.services import Services
 from store.job import Job, JobFailure, JobOutput
 from store.settings import Settings
-from store.workspace import DEFAULT_WORKSPACE
+from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
 
 REPORT = b'{"process": "validate", "verdict": "simulation_ready", "summary": "1 mesh, no errors"}'
 REPORT_HTML = b"<!doctype html><title>Report</title><h1>1 mesh, no errors</h1>"
@@ -53,23 +53,25 @@ class Live:
         named = {name.replace("_", "-"): value for name, value in headers.items()}
         return self.client.post(f"/v1/processes/{process}/execution", json={"inputs": dict(inputs)}, headers=named)
 
-    def accepted(self, process: str = "validate") -> Job:
+    def accepted(self, process: str = "validate", workspace: WorkspaceId = DEFAULT_WORKSPACE) -> Job:
         """A job that waits, put into the table."""
-        return self.services.jobs.create(DEFAULT_WORKSPACE, process, {})
+        return self.services.jobs.create(workspace, process, {})
 
-    def running(self, process: str = "validate") -> Job:
+    def running(self, process: str = "validate", workspace: WorkspaceId = DEFAULT_WORKSPACE) -> Job:
         """A job a worker holds."""
-        job = self.services.jobs.claim(self.accepted(process).id, 1, "tests", 60.0)
+        job = self.services.jobs.claim(self.accepted(process, workspace).id, 1, "tests", 60.0)
         assert job is not None
         return job
 
-    def successful(self, outputs: Mapping[str, tuple[bytes, str, str]] | None = None) -> Job:
+    def successful(
+        self, outputs: Mapping[str, tuple[bytes, str, str]] | None = None, *, workspace: WorkspaceId = DEFAULT_WORKSPACE
+    ) -> Job:
         """A job that made these outputs: name -> (bytes, media type, file name)."""
         made = outputs or {
             "report": (REPORT, "application/json", "report.json"),
             "report_html": (REPORT_HTML, "text/html", "report.html"),
         }
-        job = self.running()
+        job = self.running(workspace=workspace)
         kept = self.services.jobs.finish(
             job.id,
             job.lease_token,
@@ -80,7 +82,7 @@ class Live:
             peak_memory_bytes=123_456_789,
         )
         assert kept
-        return self.services.jobs.get(DEFAULT_WORKSPACE, job.id)
+        return self.services.jobs.get(workspace, job.id)
 
     def failed(self, failure: JobFailure, *, report: bool = True) -> Job:
         """A job that failed."""

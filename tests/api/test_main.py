@@ -106,8 +106,8 @@ def is_alive(pid: int) -> bool:
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"INTEGUMENT_HOST": "0.0.0.0"}, "INTEGUMENT_ALLOW_REMOTE"),
-        ({"INTEGUMENT_HOST": "::"}, "INTEGUMENT_ALLOW_REMOTE"),
+        ({"INTEGUMENT_HOST": "0.0.0.0"}, "admin keys create"),
+        ({"INTEGUMENT_HOST": "::"}, "admin keys create"),
         ({"INTEGUMENT_HOST": "no.such.host.invalid"}, "has no address"),
         ({"INTEGUMENT_PORT": "99999"}, "port"),
         ({"INTEGUMENT_PROT": "8000"}, "INTEGUMENT_PORT"),

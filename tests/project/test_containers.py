@@ -85,7 +85,7 @@ def test_settings_are_accepted(services: dict[str, Any], name: str, monkeypatch:
     assert settings.database_url == "postgresql://integument:sesame1@postgres:5432/integument"
     assert settings.broker_url == "redis://:sesame2@valkey:6379/0"
     assert str(settings.data_dir) == "/data"
-    assert settings.allow_remote is (name == "api")
+    assert (settings.require_keys == "true") is (name == "api")
 
 
 def test_nothing_starts_before_what_it_needs(services: dict[str, Any]) -> None:

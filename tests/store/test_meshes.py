@@ -12,6 +12,7 @@ from store.blobs import Blobs
 from store.database import Database
 from store.job import JobOutput
 from store.jobs import Jobs
+from store.local_blobs import LocalBlobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import CANONICAL_MEDIA_TYPE, Meshes, MeshUpload
 from store.records import Record
@@ -76,7 +77,7 @@ def test_a_full_disk_leaves_no_row(meshes: Meshes, tmp_path: Path, monkeypatch: 
         raise LimitError("storage.full", "the disk is full")
 
     sent = upload(tmp_path)
-    monkeypatch.setattr(Blobs, "_place", full)
+    monkeypatch.setattr(LocalBlobs, "_place", full)
     with pytest.raises(LimitError):
         meshes.create(DEFAULT_WORKSPACE, sent)
     assert meshes.list(DEFAULT_WORKSPACE).items == ()

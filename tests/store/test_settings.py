@@ -37,7 +37,7 @@ def test_the_defaults_are_an_embedded_server_on_loopback(monkeypatch: pytest.Mon
     settings = Settings()
     assert settings.data_dir == Path("/somewhere/integument")
     assert settings.database_url == "sqlite:////somewhere/integument/integument.sqlite3"
-    assert (settings.host, settings.allow_remote) == ("127.0.0.1", False)
+    assert (settings.host, settings.require_keys) == ("127.0.0.1", "auto")
     assert settings.upload_limit_bytes == 2 * 1024**3
     assert settings.blob_dir.parent == settings.scratch_dir.parent == settings.data_dir
     monkeypatch.delenv("XDG_DATA_HOME")
@@ -54,14 +54,14 @@ def test_variables_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
         upload_limit_bytes="3GiB",
         job_memory_bytes="500MB",
         lease_s="60",
-        allow_remote="true",
+        require_keys="true",
         allowed_hosts=" a.example ,B.example,",
     )
     assert settings.data_dir == Path.cwd() / "somewhere"
     assert settings.database_url == "postgresql://u:p@db/integument"
     assert settings.broker_url == "redis+socket:///run/v.sock"
     assert (settings.upload_limit_bytes, settings.job_memory_bytes) == (3 * 1024**3, 500_000_000)
-    assert (settings.lease_s, settings.allow_remote) == (60.0, True)
+    assert (settings.lease_s, settings.require_keys) == (60.0, "true")
     assert settings.allowed_hosts == ("a.example", "b.example")
 
 
@@ -81,6 +81,7 @@ def test_variables_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
         ("worker_concurrency", "0"),
         ("queue", "jobs; drop"),
         ("host", ""),
+        ("require_keys", "false"),
         ("database_url", "mysql://u@h/d"),
         ("database_url", "/var/lib/x.sqlite3"),
         ("database_url", "sqlite://"),
@@ -102,7 +103,7 @@ def test_a_misspelt_variable_is_refused_and_the_right_one_named(monkeypatch: pyt
 
 
 def test_the_clients_variable_passes(monkeypatch: pytest.MonkeyPatch) -> None:
-    read(monkeypatch, url="http://127.0.0.1:8000")
+    read(monkeypatch, url="http://127.0.0.1:8000", api_key="itg_of_a_client")
 
 
 def test_unknown_keywords_are_refused() -> None:
@@ -124,7 +125,7 @@ def test_passwords_are_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_another_process_reads_the_same(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     settings = Settings(
-        data_dir=tmp_path, port=0, allow_remote=True, allowed_hosts=("a", "b"), job_cpu_s=0.1, job_file_bytes=ByteSize(7)
+        data_dir=tmp_path, port=0, require_keys="true", allowed_hosts=("a", "b"), job_cpu_s=0.1, job_file_bytes=ByteSize(7)
     )
     for name, value in settings.as_environment().items():
         monkeypatch.setenv(name, value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import version
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,7 +13,7 @@ from integument.cli.session import Options
 
 HELP = """Nested shells and proven meshes from an Integument server.
 
---server, --json and --quiet may stand anywhere. Without a server a private one is started for the call.
+--server, --key-file, --json and --quiet may stand anywhere. Without a server a private one is started for the call.
 Exit codes: 0 done and ready; 1 done but not ready, or failed; 2 bad usage or input; 3 no server.
 """
 
@@ -38,6 +39,10 @@ def _frame(
     server: Annotated[
         str | None, typer.Option(envvar="INTEGUMENT_URL", metavar="URL", help="Address of a running server.")
     ] = None,
+    key_file: Annotated[
+        Path | None,
+        typer.Option("--key-file", dir_okay=False, help="File with the API key; without it INTEGUMENT_API_KEY."),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="One JSON document on stdout; progress as JSON lines on stderr.")
     ] = False,
@@ -46,7 +51,7 @@ def _frame(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    ctx.obj = Options(server=server, screen=Screen(as_json=as_json, quiet=quiet))
+    ctx.obj = Options(server=server, screen=Screen(as_json=as_json, quiet=quiet), key_file=key_file)
 
 
 def options_of(ctx: typer.Context) -> Options:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 SWITCHES = frozenset({"--json", "--quiet", "-q"})
-WITH_VALUE = "--server"
+WITH_VALUE = frozenset({"--server", "--key-file"})
 
 
 def split_global(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -16,9 +16,9 @@ def split_global(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     for word in words:
         if word == "--":
             rest += [word, *words]
-        elif word in SWITCHES or word.startswith(f"{WITH_VALUE}="):
+        elif word in SWITCHES or ("=" in word and word.partition("=")[0] in WITH_VALUE):
             found.append(word)
-        elif word == WITH_VALUE:
+        elif word in WITH_VALUE:
             found += [word, *([value] if (value := next(words, None)) is not None else [])]
         else:
             rest.append(word)

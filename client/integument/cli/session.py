@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
+from integument.api_key import read_key_file
 from integument.cli.progress import ProgressView, choose_view
 from integument.cli.screen import Screen
 from integument.client import Client
@@ -18,6 +20,11 @@ class Options:
 
     server: str | None
     screen: Screen
+    key_file: Path | None = None
+
+    def api_key(self) -> str | None:
+        """Of --key-file; without it the client looks at INTEGUMENT_API_KEY. Raises: ArgumentError."""
+        return None if self.key_file is None else read_key_file(self.key_file)
 
     def progress_view(self) -> ProgressView:
         """A fresh one."""
@@ -39,11 +46,12 @@ def connect(options: Options) -> Iterator[Session]:
     Raises: ServerNotInstalledError, ServerStartError, ArgumentError (no address).
     """
     if options.server:
-        with Client(options.server) as client:
+        with Client(options.server, api_key=options.api_key()) as client:
             yield Session(client, ends_with_call=False)
         return
+    key = options.api_key()
     server = EmbeddedServer()
     if server.folder.running_url() is None:
         options.screen.note(f"No server is configured; using an embedded one with its data in {server.folder.path}.")
-    with server, Client(server.url) as client:
+    with server, Client(server.url, api_key=key) as client:
         yield Session(client, ends_with_call=server.started_here)

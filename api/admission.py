@@ -1,0 +1,38 @@
+"""From the headers of a request to what its sender may do."""
+
+from __future__ import annotations
+
+from starlette.datastructures import Headers
+
+from api.access import EMBEDDED, Access
+from api.bearer import read_bearer
+from core.errors import InputError
+from store.api_keys import ApiKeys
+from store.scope import Scope
+
+
+class Admission:
+    """Keys are asked for once there is one, whatever became of it, or if the settings say so: a server that had keys never
+    opens again by itself."""
+
+    def __init__(self, keys: ApiKeys, *, always: bool) -> None:
+        self._keys = keys
+        self._always = always
+
+    def admit(self, headers: Headers, need: Scope) -> Access:
+        """Raises InputError `access.key_missing`, `access.key_invalid`, `access.key_expired`, `access.scope_missing`."""
+        if not self._always and not self._keys.any():
+            return EMBEDDED
+        key = self._keys.authenticate(read_bearer(headers))
+        if need not in key.scopes:
+            raise InputError(
+                "access.scope_missing",
+                f"key {key.id} may {', '.join(sorted(key.scopes))}; this request needs the scope {need}",
+                key=key.id,
+                needed=need.value,
+            )
+        return Access(key.workspace, key.scopes, key.id)
+
+    def holds(self, access: Access) -> bool:
+        """True while the sender of an earlier request would still be let in; asked by what lasts, as event streams do."""
+        return self._keys.is_live(access.key_id) if access.key_id is not None else not (self._always or self._keys.any())

@@ -1,0 +1,21 @@
+"""What a request must be allowed to do; by method and path alone, so no route can be added without it."""
+
+from __future__ import annotations
+
+from store.scope import Scope
+
+OPEN_PATHS = frozenset({"/healthz", "/readyz"})  # for supervisors and balancers; they tell nothing of anybody's work
+ADMIN_PATHS = frozenset({"/metrics"})  # counts the work of all workspaces
+UPLOADS = "/v1/uploads"  # sending a file in pieces is all writing, also where its protocol asks how far it is
+_READING = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+def needed_scope(method: str, path: str) -> Scope | None:
+    """None: open to everybody. A path that leads nowhere asks for a key too."""
+    if path in OPEN_PATHS:
+        return None
+    if path in ADMIN_PATHS:
+        return Scope.ADMIN
+    if path == UPLOADS or path.startswith(f"{UPLOADS}/"):
+        return Scope.SUBMIT
+    return Scope.READ if method.upper() in _READING else Scope.SUBMIT

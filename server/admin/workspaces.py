@@ -1,0 +1,51 @@
+"""`integument admin workspaces`."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import Any
+
+from pydantic import ByteSize, TypeAdapter
+
+from server.admin.arguments import Subparsers, whole_number
+from server.admin.desk import Desk, moment
+from store.workspace import Workspace
+from store.workspaces import Workspaces
+
+COLUMNS = ("id", "quota_bytes", "quota_jobs", "created")
+_SIZE = TypeAdapter(ByteSize)
+
+
+def register(groups: Subparsers) -> None:
+    """Add the commands."""
+    commands = groups.add_parser("workspaces", help="who shares meshes and jobs").add_subparsers(metavar="COMMAND", required=True)
+    create = commands.add_parser("create", help="make one; it cannot be removed")
+    create.add_argument("name", metavar="NAME", help="small letters, digits and hyphens")
+    create.add_argument("--quota-bytes", type=_size, default=None, help="may store so much (`50GiB`); 0 no limit")
+    create.add_argument(
+        "--quota-jobs", type=whole_number, default=None, help="may have so many jobs waiting and running; 0 no limit"
+    )
+    create.set_defaults(run=_create)
+    commands.add_parser("list", help="list them").set_defaults(run=_list)
+
+
+def _create(desk: Desk, options: Namespace) -> None:
+    made = Workspaces(desk.db).create(options.name, quota_bytes=options.quota_bytes, quota_jobs=options.quota_jobs)
+    desk.show(_describe(made))
+
+
+def _list(desk: Desk, _options: Namespace) -> None:
+    desk.show_table(COLUMNS, [_describe(workspace) for workspace in Workspaces(desk.db).list()])
+
+
+def _size(text: str) -> int:
+    return int(_SIZE.validate_python(text))
+
+
+def _describe(workspace: Workspace) -> dict[str, Any]:
+    return {
+        "id": workspace.id,
+        "quota_bytes": workspace.quota_bytes,
+        "quota_jobs": workspace.quota_jobs,
+        "created": moment(workspace.created_at),
+    }
