@@ -42,11 +42,12 @@ def join_rims(vertices: Vertices, faces: Faces, loops: list[Ints], piece: Ints) 
     group = np.arange(int(owner.max()) + 1)  # pieces that hang together by bridges
     flips = np.zeros(len(group), dtype=np.bool_)
     rims: list[Ints | None] = list(loops)
+    rim_of = np.arange(len(loops))
     for _cost, i, j in _candidates(vertices, loops, owner):
         a, b = owner[i], owner[j]
         if group[a] == group[b]:
             continue
-        first, second = _rim_with(rims, loops[i][0]), _rim_with(rims, loops[j][0])
+        first, second = int(rim_of[i]), int(rim_of[j])
         start, end, alike = _bridge(vertices, loops[i], loops[j])
         if alike != (flips[a] != flips[b]):  # both rims would run the same way: turn the smaller group over
             members = np.flatnonzero(group == group[b])
@@ -61,6 +62,7 @@ def join_rims(vertices: Vertices, faces: Faces, loops: list[Ints], piece: Ints) 
         one, other = _from(one, start), _from(other, end)
         rims[first] = np.concatenate((one, one[:1], other, other[:1]))
         rims[second] = None
+        rim_of[rim_of == second] = first
     return Gaps([rim for rim in rims if rim is not None], np.flatnonzero(flips))
 
 
@@ -79,13 +81,6 @@ def owner_of(rim: Ints, piece_of_vertex: Ints) -> int:
 def _from(rim: Ints, vertex: int) -> Ints:
     """The rim beginning at a vertex."""
     return np.roll(rim, -int(np.flatnonzero(rim == vertex)[0]))
-
-
-def _rim_with(rims: list[Ints | None], vertex: int) -> int:
-    for number, rim in enumerate(rims):
-        if rim is not None and vertex in rim:
-            return number
-    raise ValueError(f"no rim has vertex {vertex}")
 
 
 def _candidates(vertices: Vertices, loops: list[Ints], owner: Ints) -> list[tuple[float, int, int]]:

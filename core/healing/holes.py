@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 REFINED, STRETCHED, BARE = range(3)  # ways to fill a hole, from the best to the safest
-FINENESS = 0.75  # of the length of the rim's edges: a hole of one missing vertex gets one again
+FINENESS = 0.85  # of the length of the edges of the rim: a hole of one missing vertex gets one again, one of two faces none
 FAIRINGS = 3  # a bulge is larger than the membrane it grew from, so faces are refined again
 
 

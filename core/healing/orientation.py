@@ -14,24 +14,33 @@ from core.geometry.face_tree import FaceTree
 from core.geometry.orientation import find_faces_to_flip
 from core.geometry.volume import signed_volumes
 from core.healing.change import Change, Staged
+from core.healing.twists import cut_twists
 from core.mesh import Faces, Vertices
 
 Ints = NDArray[np.int64]
+
+DISAGREED = "faces that disagreed with their neighbours were turned over"
 
 
 def agree(vertices: Vertices, faces: Faces) -> Staged:
     """Flip the fewest faces so that neighbours look alike. Needs edges with at most two faces.
 
+    Where a surface is one-sided because of a few faces, those are taken out.
     Raises: InputError `heal.one_sided`.
     """
     turned = find_faces_to_flip(edges(faces))
+    cut: list[Change] = []
+    if turned is None:
+        vertices, faces, cut = cut_twists(vertices, faces)
+        turned = find_faces_to_flip(edges(faces)) if cut else None
     if turned is None:
         raise InputError(
             "heal.one_sided",
             "the surface is one-sided, like a Möbius strip: it has no inside, so it cannot be made into a body",
             faces=len(faces),
         )
-    return _flipped(vertices, faces, turned, "turned_faces", "faces that disagreed with their neighbours were turned over")
+    vertices, faces, flipped = _flipped(vertices, faces, turned, "turned_faces", DISAGREED)
+    return vertices, faces, cut + flipped
 
 
 def agree_within_sheets(vertices: Vertices, faces: Faces) -> Staged:
@@ -39,7 +48,7 @@ def agree_within_sheets(vertices: Vertices, faces: Faces) -> Staged:
     turned = find_faces_to_flip(edges(faces))
     if turned is None:
         return vertices, faces, []
-    return _flipped(vertices, faces, turned, "turned_faces", "faces that disagreed with their neighbours were turned over")
+    return _flipped(vertices, faces, turned, "turned_faces", DISAGREED)
 
 
 def face_outward(vertices: Vertices, faces: Faces) -> Staged:
