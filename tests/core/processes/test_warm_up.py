@@ -10,7 +10,7 @@ import sys
 from numba.core.registry import CPUDispatcher
 from core.processes.warm_up import warm_up
 warm_up()
-packages = tuple(f"core.{name}" for name in ("shells", "decimation", "smoothing", "healing"))
+packages = tuple(f"core.{name}" for name in ("geometry", "shells", "decimation", "smoothing", "healing"))
 for module in [m for n, m in sys.modules.items() if n.startswith(packages)]:
     for name, kernel in vars(module).items():
         if isinstance(kernel, CPUDispatcher) and kernel.py_func.__module__ == module.__name__ and kernel.nopython_signatures:
