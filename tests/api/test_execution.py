@@ -20,7 +20,10 @@ from tests.api.conftest import QUEUE
 from tests.api.live import Live, problem_of, serving
 from tests.valkey import ValkeyServer
 
-LAYERS = [{"name": "fat", "depth_mm": 1.0}, {"name": "average_body", "depth_mm": 3.0}]
+LAYERS = [
+    {"name": "fat", "depth_mm": 1.0, "side": "inside"},
+    {"name": "average_body", "depth_mm": 3.0, "side": "inside"},
+]
 NOWHERE = "/v1/meshes/00000000-0000-4000-8000-000000000000"
 
 
@@ -83,8 +86,18 @@ def layers(*depths: Any) -> list[dict[str, Any]]:
 BOX = {"min": [0, 0, 0], "max": [1, 1, 1]}
 # inputs, code, what the detail must say, pointers of the violations
 REFUSED: dict[str, tuple[dict[str, Any], str, str, list[str]]] = {
-    "layers not increasing": (skin_with(layers=layers(3.0, 1.0)), "inputs.invalid", "[3.0, 1.0] mm", ["/inputs"]),
-    "layers equal": (skin_with(layers=layers(1.0, 1.0)), "inputs.invalid", "[1.0, 1.0] mm", ["/inputs"]),
+    "layers not increasing": (
+        skin_with(layers=layers(3.0, 1.0)),
+        "inputs.invalid",
+        "got layer0 3 mm inside, layer1 1 mm inside",
+        ["/inputs"],
+    ),
+    "layers equal": (
+        skin_with(layers=layers(1.0, 1.0)),
+        "inputs.invalid",
+        "got layer0 1 mm inside, layer1 1 mm inside",
+        ["/inputs"],
+    ),
     "negative": (skin_with(layers=layers(-1.0)), "inputs.invalid", "got -1.0", ["/inputs/layers/0/depth_mm"]),
     "zero": (skin_with(layers=layers(0)), "inputs.invalid", "got 0", ["/inputs/layers/0/depth_mm"]),
     "beyond any body": (skin_with(layers=layers(1, 2000.0)), "inputs.invalid", "got 2000.0", ["/inputs/layers/1/depth_mm"]),

@@ -126,7 +126,7 @@ def test_meshes_and_processes_are_described(client: Client, skin: Path) -> None:
     sent = [client.upload_mesh(skin, name=f"mesh_{number}").id for number in range(3)]
     assert [mesh.id for mesh in client.meshes(limit=3)] == sent[::-1]
     assert client.mesh(sent[0]).faces == 1280
-    assert set(client.process("shells").inputs) == {"skin", "layers", "regions", "thin_policy", "min_gap_mm"}
+    assert set(client.process("shells").inputs) >= {"skin", "layers", "regions", "thin_policy", "min_gap_mm", "skin_shift_mm"}
 
 
 def test_dismiss_ends_the_watch(client: Client, tmp_path: Path) -> None:
