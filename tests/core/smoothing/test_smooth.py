@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -113,6 +114,26 @@ def test_standard_shrinks_a_noisy_sphere_and_hc_and_taubin_do_not():
     assert abs(change["taubin"]) < 0.01
     before = np.linalg.norm(mesh.vertices, axis=1).std()
     assert max(spread["hc"], spread["taubin"]) < 0.5 * before
+
+
+@pytest.mark.parametrize("method", ["standard", "hc", "taubin"])
+def test_many_iterations_agree_with_another_program(method):
+    mesh = rough(sphere(100.0, 3), 0.5)
+    peer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    uniform = trimesh.smoothing.laplacian_calculation(peer, equal_weight=True)
+    if method == "standard":
+        wanted = {"weight": 0.5}
+        trimesh.smoothing.filter_laplacian(peer, 0.5, 8, volume_constraint=False, laplacian_operator=uniform)
+    elif method == "hc":
+        wanted = {"hc_alpha": 0.2, "hc_beta": 0.7}
+        trimesh.smoothing.filter_humphrey(peer, 0.2, 0.7, 8, uniform)
+    else:
+        wanted = {"taubin_lambda": 0.5, "taubin_mu": -0.53}
+        trimesh.smoothing.filter_taubin(peer, 0.5, 0.53, 16, uniform)  # it counts single steps
+    result = smoothed(mesh, method=method, stop="iterations", iterations=8, **wanted)
+    assert not result.findings or result.findings[0].code == "smooth.volume_changed"
+    assert result.mesh.vertices == pytest.approx(np.asarray(peer.vertices), abs=1e-4)
+    assert result.shift_mm.max() > 0.5
 
 
 def test_octahedron_shrinks_by_the_weight_cubed():
