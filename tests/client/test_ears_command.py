@@ -51,6 +51,27 @@ def test_boxes_canals_and_depths_are_sent_as_typed(state: State, files: dict[str
     assert (inputs["blend_mm"], inputs["min_gap_mm"]) == (3.0, 0.1)
 
 
+def test_outer_layers_arrays_and_the_skins_shift_are_sent(state: State, files: dict[str, str]) -> None:
+    layers = (
+        "--layer",
+        "fat=fat_depth_mm",
+        "--outer-layer",
+        "gel=2",
+        "--layer",
+        "average_body=6",
+        "--outer-layer",
+        "hair=hair_mm",
+    )
+    inputs = sent(state, files["skin"], *layers, "--skin-shift", "1.5")
+    assert inputs["layers"] == [
+        {"name": "gel", "depth_mm": 2.0, "side": "outside"},
+        {"name": "hair", "depth_array": "hair_mm", "side": "outside"},
+        {"name": "fat", "depth_array": "fat_depth_mm"},
+        {"name": "average_body", "depth_mm": 6.0},
+    ]
+    assert inputs["skin_shift_mm"] == 1.5
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -58,6 +79,10 @@ def test_boxes_canals_and_depths_are_sent_as_typed(state: State, files: dict[str
         (["--ears", "left:1,2:3,4"], "--ears left:1,2:3,4"),
         (["--canal", "nowhere.stl"], "nowhere.stl"),
         (["--ear-depth", "fat"], "--ear-depth fat"),
+        (["--ear-depth", "fat=fat_mm"], "'fat_mm' is no number"),
+        (["--layer", "fat=inf"], "'inf' is no finite number"),
+        (["--outer-layer", "=2"], "--outer-layer =2"),
+        (["--outer-layer", "gel=2", "--outer-layer", "gel=1"], "'gel' is there already"),
     ],
 )
 def test_what_is_mistyped_is_refused_before_anything_is_sent(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from core.ears.canal import make_canal
 from core.errors import InputError, IntegumentError
 from core.geometry.distance import closest_points
 from core.geometry.exact_intersection import find_intersecting_faces
@@ -31,12 +32,14 @@ class Silent:
         """Nobody waits."""
 
 
-def run_ears(folder: Path, skin: Mesh, canal: Mesh | None = None, **inputs: Any) -> dict[str, Any]:
+def run_ears(
+    folder: Path, skin: Mesh, canal: Mesh | None = None, arrays: Mapping[str, Any] | None = None, **inputs: Any
+) -> dict[str, Any]:
     """The result of the registry; `files` are its paths by the names of outputs."""
     meshes = {}
     for href, name, mesh in ((SKIN, "body", skin), (CANAL, "left canal", canal)):
         if mesh is not None:
-            canonical.save(mesh, folder / f"{name}.mesh")
+            canonical.save(mesh, folder / f"{name}.mesh", arrays if href == SKIN else None)
             meshes[href] = {"path": str(folder / f"{name}.mesh"), "name": name, "sha256": "0" * 64}
     asked = {"skin": {"href": SKIN}, **({} if canal is None else {"canals": [{"href": CANAL}]}), **inputs}
     result = run({"process": "ears", "inputs": asked, "meshes": meshes, "out_dir": str(folder)}, Silent())
@@ -156,3 +159,24 @@ def test_unfit_input_is_refused_by_name_with_a_report(tmp_path: Path, code: str)
 def test_requests_that_contradict_themselves_are_refused(inputs: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         EarsInputs.model_validate({"skin": {"href": SKIN}, **inputs})
+
+
+def test_arrays_outer_layers_and_a_moved_skin_go_with_ears_and_canals(tmp_path: Path) -> None:
+    slope = 2.0 + BALL.vertices[:, 2] / 50.0
+    canal = make_canal((49.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)).rounded_to_float32()
+    layers = [{"name": "gel", "depth_mm": 1.5, "side": "outside"}, {"name": "fat", "depth_array": "fat_mm"}]
+    done = run_ears(
+        tmp_path, BALL, canal, {"fat_mm": slope}, ears=[TIP], layers=layers, ear_depths_mm={"fat": 0.5}, skin_shift_mm=0.5
+    )
+    assert done["verdict"] == "simulation_ready"
+    shells = read_shells(done["files"]["package"])
+    assert list(shells) == ["gel", "skin", "fat"]
+    points = shells["fat"].vertices
+    depth = closest_points(shells["skin"].vertices, shells["skin"].faces, points)[0]
+    far = points[:, 0] < 20
+    wanted = 2.0 + 50.0 / np.linalg.norm(points[far], axis=1) * points[far][:, 2] / 50.0
+    assert depth[far] == pytest.approx(wanted, rel=0.05)
+    wall = (np.abs(points[:, 1:]) < 5).all(axis=1) & (points[:, 0] > 30) & (points[:, 0] < 45)
+    assert np.median(depth[wall]) == pytest.approx(0.5, rel=0.05)
+    around = closest_points(shells["skin"].vertices, shells["skin"].faces, shells["gel"].vertices)[0]
+    assert around[shells["gel"].vertices[:, 0] < 20] == pytest.approx(1.5, rel=0.05)
