@@ -57,11 +57,12 @@ def fit_boxes(points: Floats, ids: Int32s, boxes: Floats) -> None:
     for face in range(len(ids) // 3):
         if ids[3 * face] < 0:
             continue
-        row = boxes[leaves - 1 + face // FACES_PER_LEAF]
+        leaf = leaves - 1 + face // FACES_PER_LEAF
         for corner in range(3):
             for axis in range(3):
                 value = points[ids[3 * face + corner], axis]
-                row[axis], row[axis + 3] = min(row[axis], value), max(row[axis + 3], value)
+                boxes[leaf, axis] = min(boxes[leaf, axis], value)
+                boxes[leaf, axis + 3] = max(boxes[leaf, axis + 3], value)
     for node in range(leaves - 2, -1, -1):
         for axis in range(3):
             boxes[node, axis] = min(boxes[2 * node + 1, axis], boxes[2 * node + 2, axis])
@@ -78,11 +79,13 @@ def widen(points: Floats, ids: Int32s, boxes: Floats, face: int) -> None:
     u, v = max(points[a, 0], points[b, 0], points[c, 0]), max(points[a, 1], points[b, 1], points[c, 1])
     w = max(points[a, 2], points[b, 2], points[c, 2])
     while True:
-        row = boxes[node]
-        if row[0] <= x and row[1] <= y and row[2] <= z and row[3] >= u and row[4] >= v and row[5] >= w:
+        # no views of rows: each would count references
+        low = boxes[node, 0] <= x and boxes[node, 1] <= y and boxes[node, 2] <= z
+        if low and boxes[node, 3] >= u and boxes[node, 4] >= v and boxes[node, 5] >= w:
             return
-        row[0], row[1], row[2] = min(row[0], x), min(row[1], y), min(row[2], z)
-        row[3], row[4], row[5] = max(row[3], u), max(row[4], v), max(row[5], w)
+        boxes[node, 0], boxes[node, 1] = min(boxes[node, 0], x), min(boxes[node, 1], y)
+        boxes[node, 2], boxes[node, 3] = min(boxes[node, 2], z), max(boxes[node, 3], u)
+        boxes[node, 4], boxes[node, 5] = max(boxes[node, 4], v), max(boxes[node, 5], w)
         if node == 0:
             return
         node = (node - 1) // 2
@@ -96,8 +99,9 @@ def find_in_box(points: Floats, ids: Int32s, boxes: Floats, box: Floats, stack: 
     while top > 0:
         top -= 1
         node = stack[top]
-        row = boxes[node]
-        if row[0] > box[3] or row[1] > box[4] or row[2] > box[5] or row[3] < box[0] or row[4] < box[1] or row[5] < box[2]:
+        if boxes[node, 0] > box[3] or boxes[node, 1] > box[4] or boxes[node, 2] > box[5]:
+            continue
+        if boxes[node, 3] < box[0] or boxes[node, 4] < box[1] or boxes[node, 5] < box[2]:
             continue
         if node < leaves - 1:
             stack[top], stack[top + 1] = 2 * node + 2, 2 * node + 1

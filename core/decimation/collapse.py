@@ -91,7 +91,7 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
         kept = a if state.fixed[a] else b
         x, y, z = points[kept, 0], points[kept, 1], points[kept, 2]
     else:
-        u, v, w = place(state.quadrics[a], state.quadrics[b], state.origin, x, y, z, HOLD)
+        u, v, w = place(state.quadrics, a, b, state.origin, x, y, z, HOLD)
         length = (points[a, 0] - points[b, 0]) ** 2 + (points[a, 1] - points[b, 1]) ** 2 + (points[a, 2] - points[b, 2]) ** 2
         if (u - x) ** 2 + (v - y) ** 2 + (w - z) ** 2 <= LONGEST_WAY**2 * length:
             x, y, z = u, v, w
@@ -149,7 +149,7 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
             state.normals[face, axis] = scratch.normals[i, axis]
         state.shape[face] = scratch.shape[i]
         widen(points, ids, state.boxes, face)
-    for i in range(len(state.quadrics[a])):
+    for i in range(state.quadrics.shape[1]):
         state.quadrics[a, i] += state.quadrics[b, i]
     state.fixed[a] |= state.fixed[b]
     if nearness.asked:

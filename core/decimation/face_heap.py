@@ -1,6 +1,7 @@
 """A heap of faces by priority: lowest first, ties by number, so that the order is the same every time.
 
 An entry is one integer: the bits of the priority as float32 (not negative, so they sort like the number), then the face.
+Every entry has four children: they lie side by side in memory, and the heap is half as deep as with two.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ def push(heap: Ints, size: int, code: np.int64) -> int:
     """Add an entry; returns the new size."""
     at = size
     while at > 0:
-        parent = (at - 1) >> 1
+        parent = (at - 1) >> 2
         if heap[parent] <= code:
             break
         heap[at] = heap[parent]
@@ -38,11 +39,13 @@ def replace_first(heap: Ints, size: int, code: np.int64) -> None:
     """Put an entry in the place of the first, and restore the order."""
     at = 0
     while True:
-        child = 2 * at + 1
-        if child >= size:
+        first = 4 * at + 1
+        if first >= size:
             break
-        if child + 1 < size and heap[child + 1] < heap[child]:
-            child += 1
+        child = first
+        for other in range(first + 1, min(first + 4, size)):
+            if heap[other] < heap[child]:
+                child = other
         if heap[child] >= code:
             break
         heap[at] = heap[child]

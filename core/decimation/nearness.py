@@ -86,8 +86,9 @@ def _is_near(x: float, y: float, z: float, limit: float, nearness: Nearness) -> 
     while top > 0:
         top -= 1
         node = stack[top]
-        row = boxes[node]
-        dx, dy, dz = max(row[0] - x, 0.0, x - row[3]), max(row[1] - y, 0.0, y - row[4]), max(row[2] - z, 0.0, z - row[5])
+        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 3])
+        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 4])
+        dz = max(boxes[node, 2] - z, 0.0, z - boxes[node, 5])
         if dx * dx + dy * dy + dz * dz > limit:
             continue
         if node < nearness.leaves - 1:

@@ -165,8 +165,9 @@ def _meets_obstacle(points: Floats, centre: int, count: int, rim: Int32s, obstac
         while top > 0:
             top -= 1
             node = scratch.stack[top]
-            row = boxes[node]
-            if row[0] > box[3] or row[1] > box[4] or row[2] > box[5] or row[3] < box[0] or row[4] < box[1] or row[5] < box[2]:
+            if boxes[node, 0] > box[3] or boxes[node, 1] > box[4] or boxes[node, 2] > box[5]:
+                continue
+            if boxes[node, 3] < box[0] or boxes[node, 4] < box[1] or boxes[node, 5] < box[2]:
                 continue
             if node < leaves - 1:
                 scratch.stack[top], scratch.stack[top + 1] = 2 * node + 2, 2 * node + 1

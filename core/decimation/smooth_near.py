@@ -70,8 +70,7 @@ def _smooth(
     if length > 0.0:
         along = (cx * nx + cy * ny + cz * nz) / (length * length)
         cx, cy, cz = cx - along * nx, cy - along * ny, cz - along * nz
-    quadric = state.quadrics[vertex]
-    x, y, z = place(quadric, quadric, state.origin, ox + cx, oy + cy, oz + cz, HOLD)
+    x, y, z = place(state.quadrics, vertex, vertex, state.origin, ox + cx, oy + cy, oz + cz, HOLD)
     x, y, z = float(np.float32(x)), float(np.float32(y)), float(np.float32(z))
     for i in range(count):
         p, q, face = scratch.rim[i, 0], scratch.rim[i, 1], scratch.star_a[i] // 3
