@@ -52,7 +52,7 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=_lifespan,
         middleware=[
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
-            Middleware(Gate, admission=services.admission),
+            Middleware(Gate, admission=services.admission, limiter=services.limiter),
             Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )
@@ -79,6 +79,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
         services.doorbell.close()
+        services.limiter.close()
         services.db.close()
 
 

@@ -52,4 +52,4 @@ async def drain(receive: Receive) -> None:
         more = True
         while more:
             message = await receive()
-            more = message["type"] == "http.request" and bool(message.get("more_body", False))
+            more = message["type"] != "http.disconnect" and bool(message.get("more_body", False))

@@ -3,35 +3,51 @@
 from __future__ import annotations
 
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.access import SCOPE_KEY
+from api.access import SCOPE_KEY, Access
 from api.admission import Admission
 from api.body_limit import drain
 from api.needed_scope import needed_scope
 from api.problem_handlers import answer_error
+from api.rate import rate_headers, require_allowance
 from core.errors import IntegumentError
+from store.rate_limit import Allowance, RateLimiter
 
 
 class Gate:
-    """ASGI middleware between `api.request_context` and everything else."""
+    """ASGI middleware between `api.request_context` and everything else: keys, then the rate of the key's workspace."""
 
-    def __init__(self, app: ASGIApp, admission: Admission) -> None:
+    def __init__(self, app: ASGIApp, admission: Admission, limiter: RateLimiter) -> None:
         self.app = app
         self._admission = admission
+        self._limiter = limiter
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or (need := needed_scope(scope["method"], scope["path"])) is None:
             await self.app(scope, receive, send)
             return
         headers = Headers(scope=scope)
+        allowance: Allowance | None = None
+
+        async def send_with_rate(message: Message) -> None:
+            if message["type"] == "http.response.start" and allowance is not None:
+                MutableHeaders(scope=message).update(rate_headers(allowance))
+            await send(message)
+
         try:
-            scope[SCOPE_KEY] = await run_in_threadpool(self._admission.admit, headers, need)
+            access = scope[SCOPE_KEY] = await run_in_threadpool(self._admission.admit, headers, need)
+            allowance = await run_in_threadpool(self._take, access)
+            require_allowance(access, allowance)
         except IntegumentError as error:
             if "expect" not in headers:  # with 100-continue nothing is on its way; else a client in mid-sending sees no answer
                 await drain(receive)
-            await answer_error(Request(scope, receive), error)(scope, receive, send)
+            await answer_error(Request(scope, receive), error)(scope, receive, send_with_rate)
             return
-        await self.app(scope, receive, send)
+        await self.app(scope, receive, send_with_rate)
+
+    def _take(self, access: Access) -> Allowance | None:
+        """Whoever needs no key is alone on his machine: he is not counted."""
+        return self._limiter.take(access.workspace) if access.key_id is not None else None

@@ -17,6 +17,8 @@ from api.schemas.problem import Problem
 from api.violations import summarize, violations_of
 from core.errors import IntegumentError
 
+QUOTA_RETRY_S = 10  # jobs end when they end
+
 logger = logging.getLogger(__name__)
 
 _CODE_BY_FRAMEWORK_STATUS = {
@@ -67,6 +69,8 @@ def _headers_of(problem: Problem) -> dict[str, str]:
         return {"WWW-Authenticate": f'Bearer realm="integument"{error}'}
     if problem.status == HTTPStatus.FORBIDDEN and "needed" in problem.facts:
         return {"WWW-Authenticate": f'Bearer realm="integument", error="insufficient_scope", scope="{problem.facts["needed"]}"'}
+    if problem.status == HTTPStatus.TOO_MANY_REQUESTS:
+        return {"Retry-After": str(problem.facts.get("retry_after_s", QUOTA_RETRY_S))}
     if problem.status == HTTPStatus.SERVICE_UNAVAILABLE:
         return {"Retry-After": "1"}
     if problem.status == HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE:

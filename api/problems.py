@@ -43,7 +43,10 @@ STATUS_BY_CODE: dict[str, int] = {
     "method.not_allowed": HTTPStatus.METHOD_NOT_ALLOWED,
     "output.not_found": HTTPStatus.NOT_FOUND,
     "process.not_found": HTTPStatus.NOT_FOUND,
+    "quota.bytes": HTTPStatus.FORBIDDEN,
+    "quota.jobs": HTTPStatus.TOO_MANY_REQUESTS,
     "range.not_satisfiable": HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE,
+    "rate.exceeded": HTTPStatus.TOO_MANY_REQUESTS,
     "request.host_refused": HTTPStatus.BAD_REQUEST,
     "request.malformed": HTTPStatus.BAD_REQUEST,
     "request.media_type": HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
@@ -64,7 +67,15 @@ OGC_TYPE_BY_CODE: dict[str, str] = {
     "process.not_found": OGC_EXCEPTIONS + "no-such-process",
     "result.not_ready": OGC_EXCEPTIONS + "result-not-ready",
 }
-_ALWAYS_RETRYABLE = {"idempotency.in_flight", "result.not_ready", "server.busy", "server.not_ready", "upload.busy"}
+_ALWAYS_RETRYABLE = {
+    "idempotency.in_flight",
+    "quota.jobs",
+    "rate.exceeded",
+    "result.not_ready",
+    "server.busy",
+    "server.not_ready",
+    "upload.busy",
+}
 
 
 def status_of(code: str, fault: Fault) -> int:

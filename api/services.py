@@ -24,6 +24,8 @@ from store.jobs import Jobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
 from store.open_blobs import open_blobs
+from store.quotas import Quotas
+from store.rate_limit import RateLimiter
 from store.settings import Settings
 from store.uploads import Uploads
 
@@ -42,6 +44,7 @@ class Services:
     mesh_inputs: MeshInputs
     uploads: Uploads
     jobs: Jobs
+    quotas: Quotas
     events: Events
     backlog: Backlog
     keys: IdempotencyKeys
@@ -50,6 +53,7 @@ class Services:
     intake_slots: anyio.CapacityLimiter
     streams: StreamSlots
     admission: Admission
+    limiter: RateLimiter
     drain: Drain
 
     @property
@@ -67,14 +71,16 @@ def make_services(settings: Settings) -> Services:
     """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
     db = Database(settings)
     blobs = open_blobs(settings, db)
+    quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
     return Services(
         settings=settings,
         db=db,
         blobs=blobs,
-        meshes=Meshes(db, blobs),
+        meshes=Meshes(db, blobs, quotas),
         mesh_inputs=MeshInputs(db, blobs),
-        uploads=Uploads(db, settings.upload_hours),
-        jobs=Jobs(db),
+        uploads=Uploads(db, settings.upload_hours, quotas),
+        jobs=Jobs(db, quotas),
+        quotas=quotas,
         events=Events(db),
         backlog=Backlog(db),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
@@ -82,6 +88,7 @@ def make_services(settings: Settings) -> Services:
         nursery=Nursery(preload=INTAKE_MODULES),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
+        limiter=RateLimiter(settings.broker_url, settings.rate_per_s, settings.rate_burst),
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=Drain(),
     )

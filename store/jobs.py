@@ -12,8 +12,10 @@ from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from store.claims import Claims
+from store.database import Database
 from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
+from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
 from store.transition import announce, end_dismissed, owned, queue_again, snapshot
@@ -26,6 +28,11 @@ class Jobs(Claims, Reconciliation):
     To a workspace the jobs of others do not exist: they are looked for by id and workspace in one query, so what is foreign
     costs and says the same as what is not there."""
 
+    def __init__(self, db: Database, quotas: Quotas | None = None) -> None:
+        """Without `quotas` nobody is limited: for workers, which only take what was accepted."""
+        super().__init__(db)
+        self._quotas = quotas
+
     def create(
         self,
         workspace: WorkspaceId,
@@ -36,8 +43,12 @@ class Jobs(Claims, Reconciliation):
         max_attempts: int = 2,
         session: Session | None = None,
     ) -> Job:
-        """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that."""
+        """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
+
+        Raises LimitError `quota.jobs`, `quota.bytes`."""
         with self._db.session(session) as work:
+            if self._quotas is not None:
+                self._quotas.require_room_for_job(workspace, work)
             now = self._db.now(work)
             row = JobRow(
                 id=str(uuid4()),
@@ -141,8 +152,12 @@ class Jobs(Claims, Reconciliation):
             return snapshot(row)
 
     def retry(self, workspace: WorkspaceId, job_id: str) -> Job:
-        """Queue a failed or dismissed job again, for one attempt more. Raises StateError `job.not_found`, `job.not_retryable`."""
+        """Queue a failed or dismissed job again, for one attempt more.
+
+        Raises StateError `job.not_found`, `job.not_retryable`, LimitError `quota.jobs`, `quota.bytes`."""
         with self._db.session() as session:
+            if self._quotas is not None:
+                self._quotas.require_room_for_job(workspace, session)
             row = owned(session, workspace, job_id, lock=True)
             if row.status not in (JobStatus.FAILED, JobStatus.DISMISSED):
                 raise StateError(

@@ -16,6 +16,7 @@ from core.errors import StateError
 from store.blobs import Blobs
 from store.database import Database
 from store.page import Page, from_cursor, to_cursor
+from store.quotas import Quotas
 from store.records import MeshRow
 from store.storable import storable, storable_text
 from store.workspace import WorkspaceId
@@ -63,15 +64,22 @@ class MeshRecord:
 class Meshes:
     """The table of uploads, and their bytes among the blobs. To a workspace the meshes of others do not exist."""
 
-    def __init__(self, db: Database, blobs: Blobs) -> None:
+    def __init__(self, db: Database, blobs: Blobs, quotas: Quotas | None = None) -> None:
         self._db = db
         self._blobs = blobs
+        self._quotas = quotas
 
-    def create(self, workspace: WorkspaceId, upload: MeshUpload, *, session: Session | None = None) -> MeshRecord:
-        """Store both files, then the row: nothing half-way. Raises LimitError `storage.full`."""
+    def create(
+        self, workspace: WorkspaceId, upload: MeshUpload, *, reserved_bytes: int = 0, session: Session | None = None
+    ) -> MeshRecord:
+        """Store both files, then the row: nothing half-way. `reserved_bytes` of the quota are taken for it already.
+
+        Raises LimitError `storage.full`, `quota.bytes`."""
         original = self._blobs.put_file(upload.path)
         canonical = self._blobs.put_file(upload.canonical_path)
         with self._db.session(session) as work:
+            if self._quotas is not None:
+                self._quotas.require_room_for_bytes(workspace, original.size - reserved_bytes, work)
             row = MeshRow(
                 id=str(uuid4()),
                 workspace=workspace,

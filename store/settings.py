@@ -108,6 +108,14 @@ class Settings(BaseSettings):
     require_keys: Literal["auto", "true"] = Field(
         "auto", description="`auto`: API keys are asked for once one was made; `true`: always, so set it behind a proxy"
     )
+    rate_per_s: float = Field(
+        100.0, ge=0, allow_inf_nan=False, description="Requests per second of one workspace's keys in the long run; 0: no limit"
+    )
+    rate_burst: int = Field(400, ge=1, description="Requests such a workspace may send at once before that rate holds")
+    quota_bytes: ByteSize = Field(
+        ByteSize(0), ge=0, description="Bytes one workspace may store, uploads and results; 0: no limit"
+    )
+    quota_jobs: int = Field(1000, ge=0, description="Jobs of one workspace that may wait and run at a time; 0: no limit")
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = Field(
         (), description="Host names requests may carry besides loopback ones, separated by commas; `*` for any"
     )

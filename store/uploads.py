@@ -11,6 +11,7 @@ from sqlalchemy import delete, select
 
 from core.errors import StateError
 from store.database import Database
+from store.quotas import Quotas
 from store.records import UploadRow
 from store.storable import storable, storable_text
 from store.workspace import WorkspaceId
@@ -33,13 +34,16 @@ class Upload:
 class Uploads:
     """The row says how much of the file counts; bytes behind that were never acknowledged."""
 
-    def __init__(self, db: Database, hours: float = 24.0) -> None:
+    def __init__(self, db: Database, hours: float = 24.0, quotas: Quotas | None = None) -> None:
         self._db = db
+        self._quotas = quotas
         self._hours = hours
 
     def create(self, workspace: WorkspaceId, *, file_name: str, fields: Mapping[str, str], length: int) -> Upload:
-        """Announce an upload of `length` bytes."""
+        """Announce an upload of `length` bytes, which are taken from the quota. Raises LimitError `quota.bytes`."""
         with self._db.session() as session:
+            if self._quotas is not None:
+                self._quotas.require_room_for_bytes(workspace, length, session)
             now = self._db.now(session)
             row = UploadRow(
                 id=str(uuid4()),

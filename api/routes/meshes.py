@@ -86,6 +86,7 @@ async def upload_mesh(
     idempotency_key: IdempotencyKey = None,
 ) -> MeshInfo:
     """Send a mesh. It is read at once: the answer says what was found in it, or what is wrong with it."""
+    await run_in_threadpool(services.quotas.check_room_for_bytes, workspace, 0)  # before gigabytes come for nothing
     with request_folder(services.incoming_dir) as folder:
         received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes)
         record, replayed = await anyio.to_thread.run_sync(

@@ -261,7 +261,9 @@ def _read_upload(services: Services, workspace: WorkspaceId, upload_id: str, wan
             )
         file.cut(upload.length)
         received = _received(file.path, upload, wanted)
-        record = services.meshes.create(workspace, parse(services, received, require_unit(received), folder))
+        record = services.meshes.create(
+            workspace, parse(services, received, require_unit(received), folder), reserved_bytes=upload.length
+        )
         services.uploads.finish(workspace, upload_id, record.id)
         file.path.unlink()  # the blobs have it; the row stays, so that asking again finds the mesh
         return record

@@ -11,6 +11,7 @@ from datetime import datetime
 from typing import Any
 
 from store.database import Database
+from store.quotas import Quotas
 from store.settings import Settings
 
 Document = Mapping[str, Any]
@@ -23,6 +24,11 @@ class Desk:
     settings: Settings
     db: Database
     as_json: bool
+
+    @property
+    def quotas(self) -> Quotas:
+        """As the API has them."""
+        return Quotas(self.db, default_bytes=self.settings.quota_bytes, default_jobs=self.settings.quota_jobs)
 
     @property
     def actor(self) -> str:

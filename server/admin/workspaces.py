@@ -12,7 +12,7 @@ from server.admin.desk import Desk, moment
 from store.workspace import Workspace
 from store.workspaces import Workspaces
 
-COLUMNS = ("id", "quota_bytes", "quota_jobs", "created")
+COLUMNS = ("id", "bytes", "quota_bytes", "jobs", "quota_jobs", "created")
 _SIZE = TypeAdapter(ByteSize)
 
 
@@ -31,20 +31,23 @@ def register(groups: Subparsers) -> None:
 
 def _create(desk: Desk, options: Namespace) -> None:
     made = Workspaces(desk.db).create(options.name, quota_bytes=options.quota_bytes, quota_jobs=options.quota_jobs)
-    desk.show(_describe(made))
+    desk.show(_describe(desk, made))
 
 
 def _list(desk: Desk, _options: Namespace) -> None:
-    desk.show_table(COLUMNS, [_describe(workspace) for workspace in Workspaces(desk.db).list()])
+    desk.show_table(COLUMNS, [_describe(desk, workspace) for workspace in Workspaces(desk.db).list()])
 
 
 def _size(text: str) -> int:
     return int(_SIZE.validate_python(text))
 
 
-def _describe(workspace: Workspace) -> dict[str, Any]:
+def _describe(desk: Desk, workspace: Workspace) -> dict[str, Any]:
+    usage = desk.quotas.usage(workspace.id)
     return {
         "id": workspace.id,
+        "bytes": usage.bytes,
+        "jobs": usage.jobs,
         "quota_bytes": workspace.quota_bytes,
         "quota_jobs": workspace.quota_jobs,
         "created": moment(workspace.created_at),

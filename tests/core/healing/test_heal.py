@@ -90,7 +90,10 @@ def test_untouched_faces_of_the_real_body_keep_their_corners() -> None:
     made = healed(Mesh.of(body.vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)))
     assert (made.former >= 0).sum() >= len(body.faces) - 30
     assert kinds(made)[:3] == ["equal_vertices", "degenerate_faces", "duplicate_faces"]
-    volume = [float(np.einsum("ij,ij->", mesh.triangles()[:, 0], np.cross(mesh.triangles()[:, 1], mesh.triangles()[:, 2]))) for mesh in (body, made.mesh)]
+    volume = [
+        float(np.einsum("ij,ij->", mesh.triangles()[:, 0], np.cross(mesh.triangles()[:, 1], mesh.triangles()[:, 2])))
+        for mesh in (body, made.mesh)
+    ]
     assert volume[1] == pytest.approx(volume[0], rel=1e-4)
 
 

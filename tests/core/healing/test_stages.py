@@ -102,7 +102,10 @@ def test_several_vertices_on_one_side_come_in_order() -> None:
     assert len(split) == 8
     assert len(changes[0].points) == 3
     assert edges(split).face_count.max() == 2
-    assert find_loops(split)[0].tolist() in ([list(np.roll([0, 2, 1, 6][::-1], shift)) for shift in range(4)] + [list(np.roll([0, 6, 1, 2][::-1], shift)) for shift in range(4)])
+    assert find_loops(split)[0].tolist() in (
+        [list(np.roll([0, 2, 1, 6][::-1], shift)) for shift in range(4)]
+        + [list(np.roll([0, 6, 1, 2][::-1], shift)) for shift in range(4)]
+    )
 
 
 def test_a_vertex_beside_a_side_does_not_split_it() -> None:
@@ -173,7 +176,9 @@ def test_holes_that_meet_in_a_vertex_are_told_apart() -> None:
     ends = [set(mesh.faces[face].tolist()) for face in around]
     opposite = next(face for face, corners in zip(around, ends, strict=True) if corners & ends[0] == {0})
     loops = find_loops(without_faces(mesh, [around[0], opposite]).faces)
-    assert sorted(sorted(loop.tolist()) for loop in loops) == sorted(sorted(corners) for corners in (ends[0], set(mesh.faces[opposite].tolist())))
+    assert sorted(sorted(loop.tolist()) for loop in loops) == sorted(
+        sorted(corners) for corners in (ends[0], set(mesh.faces[opposite].tolist()))
+    )
 
 
 def test_rims_of_an_islet_are_joined_and_of_strangers_are_not() -> None:
