@@ -36,4 +36,5 @@ def _barycentric(triangles: Floats, points: Floats) -> Floats:
     area = np.maximum(uu * vv - uv * uv, np.finfo(np.float64).tiny)
     second, third = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
     weights: Floats = np.clip(np.column_stack((1 - second - third, second, third)), 0.0, 1.0)
-    return weights / weights.sum(axis=1)[:, None]
+    weights /= weights.sum(axis=1)[:, None]
+    return weights

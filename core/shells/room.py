@@ -51,6 +51,7 @@ def require_thick_enough(skin: Mesh, layers: Sequence[Layer], targets: Floats, u
         if thin.any():
             faces = np.flatnonzero(thin[skin.faces].any(axis=1))
             thinnest = float(usable[thin].min())
+            room = "the skin is" if layer.side == "inside" else "the room around the skin is"
             finding = Finding(
                 code="skin.too_thin",
                 severity=Severity.ERROR,
@@ -60,7 +61,7 @@ def require_thick_enough(skin: Mesh, layers: Sequence[Layer], targets: Floats, u
             )
             raise InputError(
                 "skin.too_thin",
-                f"at {len(faces)} of {len(skin.faces)} faces the skin is too thin for layer '{layer.name}' at "
+                f"at {len(faces)} of {len(skin.faces)} faces {room} too thin for layer '{layer.name}' at "
                 f"{_words(wanted)} (least room {thinnest:.3g} mm) and thin_policy is 'fail'; 'adapt' fades the depth there",
                 findings=(finding,),
                 layer=layer.name,
