@@ -16,6 +16,7 @@ from core.healing.fitness import NAME
 from core.healing.intersections.arrangement import Arrangement
 from core.healing.intersections.clusters import Cluster, find_clusters
 from core.healing.intersections.seam import tidy_seam
+from core.healing.intersections.short_edges import collapse_short_edges
 from core.healing.intersections.unfold import unfold
 from core.healing.intersections.unite import unite
 from core.mesh import Faces, Mesh, Vertices
@@ -26,13 +27,14 @@ from core.validation.surface import Surface
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
-ROUNDS = 8  # smoothing here may press there; rounding after a union may cross again
+ROUNDS = 10  # smoothing here may press there; rounding after a union may cross again
 
 
 def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Staged:
     """Free a surface of self-intersection.
 
-    Needs:    closed, manifold, oriented faces without any of zero area; coordinates as float32 holds them.
+    Needs:    closed, manifold, oriented faces without any of zero area; coordinates as float32 holds them. One that is not
+              closed (any more) comes back for other stages to close.
     Promises: no two faces meet but in shared corners and edges, exactly; vertices away from intersections keep their places;
               same input, same result. A surface that is free already comes back as it is.
     Raises:   InputError `heal.intersections_remain` with places."""
@@ -40,26 +42,33 @@ def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Stage
     for number in range(ROUNDS):
         step = run.stage("heal: intersections", number / ROUNDS, (number + 1) / ROUNDS)
         pairs = find_intersecting_faces(vertices, faces)
-        step.advance(0.2, f"{len(pairs)} intersecting pairs of faces")
-        if len(pairs) == 0:
+        if len(pairs) == 0 or (edges(faces).face_count != 2).any():
             return vertices, faces, changes
-        arrangement = Arrangement.of(vertices, faces)
-        clusters = find_clusters(faces, len(vertices), pairs)
-        inverted = np.zeros(len(faces), dtype=np.bool_)
-        inverted[arrangement.birth[arrangement.outside < 0]] = True
-        _, piece = face_components(edges(faces))
-        folds = [cluster for cluster in clusters if _is_fold(cluster, piece, inverted)]
-        unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs)
-        if change is not None:
-            vertices = unfolded
-            changes.append(change)
-        else:
-            vertices, faces, change = _unite(vertices, faces, arrangement)
-            changes.append(change)
+        step.advance(0.3, f"{len(pairs)} intersecting pairs of faces")
+        vertices, faces, done = _mend(vertices, faces, pairs)
+        changes += done
     pairs = find_intersecting_faces(vertices, faces)
     if len(pairs):
         raise _refusal(vertices, faces, pairs)
     return vertices, faces, changes
+
+
+def _mend(vertices: Vertices, faces: Faces, pairs: Ints) -> Staged:
+    """One round, of the smallest change that can be made: short edges, then folds, then a union."""
+    points, joined, collapsed = collapse_short_edges(vertices, faces, np.unique(pairs))
+    if collapsed:
+        return points, joined, collapsed
+    arrangement = Arrangement.of(vertices, faces)
+    inverted = np.zeros(len(faces), dtype=np.bool_)
+    inverted[arrangement.birth[arrangement.outside < 0]] = True
+    _, piece = face_components(edges(faces))
+    clusters = find_clusters(faces, len(vertices), pairs)
+    folds = [cluster for cluster in clusters if _is_fold(cluster, piece, inverted)]
+    unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs)
+    if change is not None:
+        return unfolded, faces, [change]
+    points, joined, change = _unite(vertices, faces, arrangement)
+    return points, joined, [change]
 
 
 def _is_fold(cluster: Cluster, piece: Ints, inverted: Flags) -> bool:
