@@ -16,19 +16,26 @@ Ints = NDArray[np.int64]
 WELD_SHARE = 0.25  # of the shortest edge at a border vertex: the farthest vertex it is joined with
 LARGEST_WELD_SHARE = 0.5  # the same for a tolerance that was asked for: beyond it faces would turn over
 NEAREST = 6  # vertices looked at around each: more of them are joined to it by edges only in odd meshes
-ROUNDS = 12  # n copies of a vertex need about log2 n
+HOST_SHARE = 0.05  # the same for a vertex that is not at a border: a wall may hide the border it had
+ROUNDS = 16  # n copies of a vertex need about log2 n
 
 
 def join_cracks(vertices: Vertices, faces: Faces, tolerance_mm: float | None = None) -> Staged:
     """Join vertices of borders that are each other's nearest, no edge apart, and near for the edges around them.
 
-    The vertex with the lower number keeps its place. tolerance_mm: see `WELD_SHARE` for None.
+    The vertex with the lower number keeps its place. tolerance_mm: see `WELD_SHARE` for None. Where three sheets meet, the
+    third is joined with what the first two became, though that is no border any more; and a border vertex that lies as good as
+    on an inner one is joined with it.
     """
     kept: list[Ints] = []
     gaps: list[Floats] = []
     for _ in range(ROUNDS):
         found = edges(faces)
-        pairs, distances = _find_partners(vertices, found, tolerance_mm)
+        # some were joined with others since, and are no vertices any more
+        joined = np.intersect1d(np.concatenate(kept), found.ends) if kept else np.empty(0, dtype=np.int64)
+        pairs, distances = _find_partners(vertices, found, tolerance_mm, joined)
+        if len(pairs) == 0:
+            pairs, distances = _find_hosts(vertices, found)
         if len(pairs) == 0:
             break
         number = np.arange(len(vertices))
@@ -43,19 +50,44 @@ def join_cracks(vertices: Vertices, faces: Faces, tolerance_mm: float | None = N
     return vertices, faces, [Change("cracks", message, points, distances)]
 
 
-def border_scale(vertices: Vertices, found: Edges) -> tuple[Ints, Floats]:
-    """Vertices at borders (K,), ascending, and the length of the shortest edge at each, mm."""
-    border = np.unique(found.ends[found.face_count == 1])
+def _find_hosts(vertices: Vertices, found: Edges) -> tuple[Ints, Floats]:
+    """Border vertices and inner vertices very near to them: inner, border (K, 2) and distances (K,), each vertex once."""
+    lone = np.unique(found.ends[found.face_count == 1])
+    inner = np.setdiff1d(found.ends, lone)
+    if len(lone) == 0 or len(inner) == 0:
+        return np.empty((0, 2), dtype=np.int64), np.empty(0)
+    scale = _shortest_edges(vertices, found)
+    reach = HOST_SHARE * scale[lone]
+    asked = cKDTree(vertices[inner]).query(vertices[lone], distance_upper_bound=float(reach.max()))
+    distance, place = (np.asarray(found_there) for found_there in asked)
+    rows = np.flatnonzero(place < len(inner))
+    host = inner[place[rows]]
+    stride = int(found.ends.max()) + 1
+    keys = np.minimum(lone[rows], host) * stride + np.maximum(lone[rows], host)
+    fits = distance[rows] <= np.minimum(reach[rows], HOST_SHARE * scale[host])
+    fits &= ~np.isin(keys, found.ends[:, 0] * stride + found.ends[:, 1])
+    rows, host = rows[fits], host[fits]
+    host, first = np.unique(host, return_index=True)
+    return np.column_stack((host, lone[rows[first]])), distance[rows[first]]
+
+
+def _shortest_edges(vertices: Vertices, found: Edges) -> Floats:
+    """Length of the shortest edge at each vertex, (V,) mm; infinite without edges."""
     lengths = np.linalg.norm(vertices[found.ends[:, 0]] - vertices[found.ends[:, 1]], axis=1)
     shortest = np.full(len(vertices), np.inf)
     for end in range(2):
         np.minimum.at(shortest, found.ends[:, end], lengths)
-    return border, shortest[border]
+    return shortest
 
 
-def _find_partners(vertices: Vertices, found: Edges, tolerance_mm: float | None) -> tuple[Ints, Floats]:
-    """Pairs to join, lower number first (K, 2), none with a vertex of another pair, and their distances (K,)."""
-    border, scale = border_scale(vertices, found)
+def _find_partners(vertices: Vertices, found: Edges, tolerance_mm: float | None, joined: Ints) -> tuple[Ints, Floats]:
+    """Pairs to join, lower number first (K, 2), none with a vertex of another pair, and their distances (K,).
+
+    joined: vertices that others were joined with before; they count as border, but two of them are no pair.
+    """
+    lone = np.unique(found.ends[found.face_count == 1])
+    border = np.union1d(lone, joined) if len(lone) else lone
+    scale = _shortest_edges(vertices, found)[border]
     if len(border) < 2:
         return np.empty((0, 2), dtype=np.int64), np.empty(0)
     reach = WELD_SHARE * scale if tolerance_mm is None else np.minimum(tolerance_mm, LARGEST_WELD_SHARE * scale)
@@ -72,8 +104,9 @@ def _find_partners(vertices: Vertices, found: Edges, tolerance_mm: float | None)
     rows, other, distance = rows[fits], other[fits], distance[fits]
     stride = int(found.ends.max()) + 1
     a, b = border[rows], border[other]
-    joined = np.isin(np.minimum(a, b) * stride + np.maximum(a, b), found.ends[:, 0] * stride + found.ends[:, 1])
-    rows, other, distance = rows[~joined], other[~joined], distance[~joined]
+    apart = ~np.isin(np.minimum(a, b) * stride + np.maximum(a, b), found.ends[:, 0] * stride + found.ends[:, 1])
+    apart &= np.isin(a, lone) | np.isin(b, lone)
+    rows, other, distance = rows[apart], other[apart], distance[apart]
     # the nearest of each, the lower number where two are equally near
     order = np.lexsort((other, distance, rows))
     first = np.ones(len(order), dtype=np.bool_)
