@@ -31,6 +31,7 @@ METHODS = (
     "{deviation:g} mm, filled holes and pieces taken away apart. "
 )
 OWN_NAME = "surface"  # what the algorithm calls the one surface it sees
+UNMOVED_MM = 1e-6  # distances of a surface to itself are not exactly 0
 
 
 def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: RunContext, out_dir: Path) -> Outcome:
@@ -113,8 +114,14 @@ def _summary(report: Report, before: Validation, healed: Mapping[str, Healed]) -
             dict.fromkeys(change["kind"].replace("_", " ") for change in healed[name].changes if "places" in change)
         )
         kept = comparison.kept_vertices / max(1, report.meshes[name].vertices)
-        rows.append(
-            f"{name}: mended {kinds}; {kept:.2%} of the vertices are those that came, "
-            f"deviation up to {comparison.deviation.maximum_mm:.3g} mm"
-        )
+        rows.append(f"{name}: mended {kinds}; {kept:.2%} of the vertices are those that came{_moved(healed[name])}")
     return f"{faults} faults found. {'; '.join(rows)}."
+
+
+def _moved(result: Healed) -> str:
+    """How far the surface moved, as the limit counts it: pieces taken away and patches over holes apart."""
+    extents = [change for change in result.changes if change["kind"] == "extent"]
+    if not extents:
+        return ""
+    farthest = max(float(extents[-1]["lost_mm"]), float(extents[-1]["gained_mm"]))
+    return f", and elsewhere the surface moved by {farthest:.2g} mm at most" if farthest > UNMOVED_MM else ""

@@ -11,7 +11,7 @@ from core.geometry.deviation import Deviation
 from core.mesh import Mesh
 from core.reports.figures.cross_sections import draw_cross_sections
 from core.reports.figures.curvature_pair import draw_curvature_pair
-from core.reports.figures.deviation_map import draw_deviation_map
+from core.reports.figures.deviation_map import UNCHANGED_MM, draw_deviation_map
 from core.reports.figures.figure import Figure
 from core.reports.figures.gap_places import draw_gap_places
 from core.reports.figures.levels import find_levels
@@ -20,7 +20,6 @@ from core.reports.figures.surface_views import draw_surface_views
 from core.reports.palette import tissue_colours
 from core.schema.report import Report
 
-UNCHANGED_MM = 1e-9  # distances of a surface to itself are not exactly 0
 MOST_PAINTED = 6  # surfaces that get pictures of their own; a page of sixty-four would be read by nobody
 
 
@@ -38,7 +37,8 @@ def draw_comparison(originals: Mapping[str, Mesh], deviations: Mapping[str, Devi
     changed = [name for name in results if deviations[name].maximum_mm > UNCHANGED_MM or _count(originals, results, name)]
     for name in changed[:MOST_PAINTED]:
         figures.append(draw_curvature_pair(name, originals[name], results[name], frame))
-        figures.append(draw_deviation_map(name, deviations[name], frame))
+        if deviations[name].back.maximum_mm > UNCHANGED_MM:  # nothing was added or moved where pieces were taken away only
+            figures.append(draw_deviation_map(name, deviations[name], frame))
     if any(finding.places for finding in report.findings):
         figures.append(draw_surface_views(results[largest], frame, colours[largest], report.findings))
     if len(results) > 1:

@@ -18,14 +18,15 @@ COLOUR_MAP = "YlOrRd"
 WIDTH_IN, HEIGHT_IN, BAR_IN = 8.4, 5.5, 0.66
 TOP_PERCENTILE = 99.5
 PALEST = 0.04  # of the colour map: white would not show where the surface ends
-SMALLEST_TOP_MM = 1e-6
+UNCHANGED_MM = 1e-9  # distances of a surface to itself are not exactly 0
 
 
 def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Figure:
     """The result, face by face in the colour of its distance to the original."""
     way = deviation.back
     per_face = way.per_face()
-    scale = Normalize(0.0, max(SMALLEST_TOP_MM, float(np.percentile(per_face, TOP_PERCENTILE))))
+    moved = per_face[per_face > UNCHANGED_MM]  # where little was mended, the rest must not set the scale
+    scale = Normalize(0.0, float(np.percentile(moved, TOP_PERCENTILE)) if len(moved) else UNCHANGED_MM)
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     shades = PALEST + (1.0 - PALEST) * np.clip(scale(per_face), 0.0, 1.0)
     colours = np.ascontiguousarray(colour_map(shades, bytes=True)[:, :3])
