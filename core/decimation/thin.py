@@ -22,7 +22,7 @@ Int32s = NDArray[np.int32]
 
 SLACK = 1 << 54  # in an entry: a priority half as high again is no reason to wait
 LEVEL = 1e-3  # radians; among faces flatter than about this the distance decides alone
-EVEN = 1e-4  # of a side, as a distance: among collapses that change nothing, the shortest first
+EVEN = 1e-6  # of a side, as a distance: among collapses that change nothing, the shortest first
 
 
 @njit(cache=True, nogil=True)
