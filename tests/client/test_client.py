@@ -205,6 +205,21 @@ def test_shells_uploads_executes_and_waits(client: Client, state: State) -> None
     assert state.uploads[0]["unit"] == b"cm"
 
 
+def test_shells_sends_layers_from_outside_inwards(client: Client, state: State) -> None:
+    state.events = [(1, "done", {"status": "successful"})]
+
+    def finish(_event: object) -> None:
+        state.jobs[JOB_ID] |= {"status": "successful", "verdict": "simulation_ready"}
+
+    client.shells(b"solid", {"fat": "fat_depth_mm"}, outer_layers={"gel": 2.0}, skin_shift_mm=1.0, on_event=finish)
+    inputs = json.loads(state.requests("POST", EXECUTION)[0].body)["inputs"]
+    assert inputs["layers"] == [
+        {"name": "gel", "depth_mm": 2.0, "side": "outside"},
+        {"name": "fat", "depth_array": "fat_depth_mm"},
+    ]
+    assert inputs["skin_shift_mm"] == 1.0
+
+
 def test_validate_takes_what_the_server_holds_by_reference(client: Client, state: State) -> None:
     state.events = [(1, "done", {})]
     held = client.results(state.add_job("successful")["jobID"]).outputs["package"]
