@@ -8,6 +8,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from core.geometry.adjacency import edges
+from core.geometry.components import label_connected
 from core.mesh import Faces, Vertices
 
 Flags = NDArray[np.bool_]
@@ -28,21 +29,30 @@ def relax(vertices: Vertices, faces: Faces, free: Flags, order: int) -> Vertices
     number[local] = np.arange(len(local))
     inner = number[faces[around[faces].any(axis=1)]]
     inner = inner[(inner >= 0).all(axis=1)]
+    held = _is_held(inner, free[local])
     laplacian = _laplacian(inner.astype(np.int32), len(local))
-    unknown, known = np.flatnonzero(free[local]), np.flatnonzero(~free[local])
-    summed = free.copy()
+    unknown, known = np.flatnonzero(held & free[local]), np.flatnonzero(~free[local])
+    if len(unknown) == 0:
+        return vertices.copy()
+    summed = np.zeros(len(vertices), dtype=np.bool_)
+    summed[local[unknown]] = True
     if order == 2:  # the rows of the outermost ring are incomplete: the energy is summed over free vertices and neighbours
-        summed[faces[free[faces].any(axis=1)]] = True
+        summed[faces[summed[faces].any(axis=1)]] = True
     rows = laplacian[np.flatnonzero(summed[local])]
     left, right = rows[:, unknown], -rows[:, known] @ vertices[local[known]]
     if order == 2:
         left, right = left.T @ left, left.T @ right
     moved = vertices.copy()
-    if len(known) == 0:
-        return moved
     solved = splu(left.tocsc()).solve(np.ascontiguousarray(right))
     moved[local[unknown]] = solved.astype(np.float32)
     return moved
+
+
+def _is_held(faces: Ints, free: Flags) -> Flags:
+    """Vertices that hang together with one that is not free."""
+    _, part = label_connected(len(free), faces.ravel(), np.roll(faces, -1, axis=1).ravel())
+    held: Flags = np.isin(part, part[~free])
+    return held
 
 
 def _laplacian(faces: Faces, count: int) -> csr_array:

@@ -67,6 +67,8 @@ def _mend(vertices: Vertices, faces: Faces, pairs: Ints) -> Staged:
     unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs)
     if change is not None:
         return unfolded, faces, [change]
+    if not (arrangement.outside == 0).any():  # all inside out: there is no inside to unite
+        return vertices, faces, []
     points, joined, change = _unite(vertices, faces, arrangement)
     return points, joined, [change]
 

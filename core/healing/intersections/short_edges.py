@@ -52,4 +52,5 @@ def _collapse(faces: Faces, kept: int, gone: int) -> Faces | None:
         return None
     joined: Faces = faces[~(has_kept & has_gone)].copy()
     joined[joined == gone] = kept
-    return joined
+    around = np.sort(joined[(joined == kept).any(axis=1)], axis=1)
+    return joined if len(np.unique(around, axis=0)) == len(around) else None  # of a tetrahedron two equal faces are left
