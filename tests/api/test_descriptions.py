@@ -78,6 +78,7 @@ def test_every_input_has_a_schema_of_its_own(api: Live, process_id: str) -> None
             assert "$ref" not in schema
     assert set(process.outputs) <= set(described["outputs"])
     assert ("{layer}" in described["outputs"]) == process.names_layers
+    assert ("{surface}" in described["outputs"]) == process.names_surfaces
 
 
 def test_schemas_say_what_the_server_checks(api: Live) -> None:

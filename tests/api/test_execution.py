@@ -299,3 +299,31 @@ def test_a_silent_broker_does_not_concern_the_client(tmp_path: Path, stl: bytes)
         job = live.services.jobs.get(DEFAULT_WORKSPACE, told["jobID"])
         assert (job.status, job.rung_at) == (JobStatus.ACCEPTED, None)
         assert live.services.jobs.due_to_ring(30.0) == [(job.id, 1)]
+
+
+def test_outputs_of_surfaces_are_named_after_what_came(api: Live, mesh_href: str) -> None:
+    def ask(subject: dict[str, Any], *names: str) -> Any:
+        body = {"inputs": {**subject, "iterations": 1}, "outputs": {name: {} for name in names}}
+        return api.client.post("/v1/processes/smooth/execution", json=body)
+
+    reference = {"href": mesh_href}
+    made = api.successful({"package": (b"PK", "application/zip", "package.zip")})
+    package = {"package": {"href": f"/v1/jobs/{made.id}/results/package"}}
+    assert ask({"mesh": reference}, "mesh", "report").status_code == 201
+    assert ask({"meshes": {"fat": reference}}, "package", "fat").status_code == 201
+    assert ask(package, "anything").status_code == 201  # what a package holds is known when it is read
+    assert "mesh, report" in problem_of(ask({"mesh": reference}, "package"), 422, "outputs.unknown")["detail"]
+    assert "package, report" in problem_of(ask({"meshes": {"fat": reference}}, "mesh"), 422, "outputs.unknown")["detail"]
+
+
+def test_a_package_is_resolved_and_bound_to_its_bytes(api: Live, mesh_href: str) -> None:
+    outputs = {"package": (b"PK", "application/zip", "package.zip"), "skin": (b"solid", "model/stl", "skin.stl")}
+    results = f"/v1/jobs/{api.successful(outputs).id}/results"
+    told = api.execute("heal", {"package": {"href": f"http://elsewhere.example{results}/package"}})
+    assert told.status_code == 201
+    job = api.services.jobs.get(DEFAULT_WORKSPACE, told.json()["jobID"])
+    assert job.inputs["package"] == {"href": f"{results}/package"}
+    assert job.mesh_inputs[f"{results}/package"].media_type == "application/zip"
+    problem_of(api.execute("heal", {"package": {"href": f"{results}/skin"}}), 422, "reference.not_a_package")
+    problem_of(api.execute("heal", {"mesh": {"href": f"{results}/package"}}), 422, "reference.not_a_mesh")
+    problem_of(api.execute("heal", {"package": {"href": mesh_href}}), 422, "inputs.invalid")
