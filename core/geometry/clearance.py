@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from core.geometry.chunks import in_chunks
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, fit_boxes, fit_leaf, fit_parent
 from core.geometry.triangle_distance import between_sides, closest_on_triangle, nearer
 from core.mesh import Faces, Vertices
 
@@ -19,7 +19,8 @@ Ints = NDArray[np.int64]
 
 NEIGHBOUR_SHARE = 0.02  # faces that meet in one corner keep this share of their shortest side apart
 FACES_PER_LEAF = 2
-FOLD_COSINE = 0.9986  # neighbours across an edge must open by more than 3 degrees
+FEW = 8  # leaves per moved face above which boxes are followed one by one
+FOLD_COSINE = 0.9957  # neighbours across an edge must open by more than 5.3 degrees
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,18 +85,17 @@ def _follow(vertices: Vertices, ids: NDArray[np.int32], places: Ints, corners: F
         for corner in range(3):
             for axis in range(3):
                 corners[place, corner, axis] = vertices[ids[place, corner], axis]
+    if len(places) * FEW > leaves:
+        fit_boxes(corners, leaves, boxes)
+        return
     count = len(corners)
-    for leaf in range(leaves):
-        for axis in range(3):
-            low, high = np.inf, -np.inf
-            for place in range(leaf * count // leaves, (leaf + 1) * count // leaves):
-                for corner in range(3):
-                    low, high = min(low, corners[place, corner, axis]), max(high, corners[place, corner, axis])
-            boxes[leaves - 1 + leaf, axis], boxes[leaves - 1 + leaf, axis + 3] = low, high
-    for node in range(leaves - 2, -1, -1):
-        for axis in range(3):
-            boxes[node, axis] = min(boxes[2 * node + 1, axis], boxes[2 * node + 2, axis])
-            boxes[node, axis + 3] = max(boxes[2 * node + 1, axis + 3], boxes[2 * node + 2, axis + 3])
+    for place in places:
+        fit_leaf(corners, leaves, ((place + 1) * leaves - 1) // count, boxes)
+    for place in places:
+        node = leaves - 1 + ((place + 1) * leaves - 1) // count
+        # a box that stays needs nothing above it: whatever else changes below climbs on its own
+        while node > 0 and fit_parent(boxes, (node - 1) // 2):
+            node = (node - 1) // 2
 
 
 @njit(cache=True, nogil=True)

@@ -29,21 +29,23 @@ class FaceTree:
     @classmethod
     def of(cls, vertices: Vertices, faces: Faces) -> FaceTree:
         """Build over vertices (V, 3) mm and faces (F, 3), F >= 1; O(F log F), the same tree for the same input."""
-        corners = vertices[faces]
         leaves = 1
         while leaves * FACES_PER_LEAF < len(faces):
             leaves *= 2
+        corners = vertices[faces]
         order = np.arange(len(faces))
-        _sort_by_median_cuts(corners.mean(axis=1), order, leaves)
+        _sort_by_median_cuts(corners.sum(axis=1), order, leaves)
         ordered = np.ascontiguousarray(corners[order])
-        return cls(_boxes(ordered, leaves), ordered, order, leaves)
+        boxes = np.empty((2 * leaves - 1, 6))
+        fit_boxes(ordered, leaves, boxes)
+        return cls(boxes, ordered, order, leaves)
 
 
 @njit(cache=True, nogil=True)
 def _sort_by_median_cuts(centres: NDArray[np.float64], order: NDArray[np.int64], leaves: int) -> None:
     """Order faces so that every node of the tree holds a run of them, halved across the longest side of its centres.
 
-    centres: (F, 3). order: (F,) int64, sorted in place.
+    centres: (F, 3), on any scale. order: (F,) int64, sorted in place.
     """
     count = len(order)
     low, high = np.empty(3), np.empty(3)
@@ -83,16 +85,34 @@ def _sort_by_median_cuts(centres: NDArray[np.float64], order: NDArray[np.int64],
         nodes *= 2
 
 
-def _boxes(corners: NDArray[np.float64], leaves: int) -> NDArray[np.float64]:
-    """Boxes of all nodes from the corners in tree order, bottom up."""
-    starts = np.arange(leaves) * len(corners) // leaves
-    boxes: NDArray[np.float64] = np.empty((2 * leaves - 1, 6))
-    boxes[leaves - 1 :, :3] = np.minimum.reduceat(corners.min(axis=1), starts)
-    boxes[leaves - 1 :, 3:] = np.maximum.reduceat(corners.max(axis=1), starts)
-    level = leaves
-    while level > 1:
-        children = boxes[level - 1 : 2 * level - 1].reshape(-1, 2, 6)
-        level //= 2
-        boxes[level - 1 : 2 * level - 1, :3] = children[:, :, :3].min(axis=1)
-        boxes[level - 1 : 2 * level - 1, 3:] = children[:, :, 3:].max(axis=1)
-    return boxes
+@njit(cache=True, nogil=True)
+def fit_boxes(corners: NDArray[np.float64], leaves: int, boxes: NDArray[np.float64]) -> None:
+    """Boxes of all nodes, (2 leaves - 1, 6), from the corners in tree order, bottom up."""
+    for leaf in range(leaves):
+        fit_leaf(corners, leaves, leaf, boxes)
+    for node in range(leaves - 2, -1, -1):
+        fit_parent(boxes, node)
+
+
+@njit(cache=True, nogil=True)
+def fit_leaf(corners: NDArray[np.float64], leaves: int, leaf: int, boxes: NDArray[np.float64]) -> None:
+    """Box of a leaf around its faces."""
+    count = len(corners)
+    for axis in range(3):
+        low, high = np.inf, -np.inf
+        for place in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for corner in range(3):
+                low, high = min(low, corners[place, corner, axis]), max(high, corners[place, corner, axis])
+        boxes[leaves - 1 + leaf, axis], boxes[leaves - 1 + leaf, axis + 3] = low, high
+
+
+@njit(cache=True, nogil=True)
+def fit_parent(boxes: NDArray[np.float64], node: int) -> bool:
+    """Box of a node around its children's; True if it changed."""
+    changed = False
+    for axis in range(3):
+        low = min(boxes[2 * node + 1, axis], boxes[2 * node + 2, axis])
+        high = max(boxes[2 * node + 1, axis + 3], boxes[2 * node + 2, axis + 3])
+        changed = changed or low != boxes[node, axis] or high != boxes[node, axis + 3]
+        boxes[node, axis], boxes[node, axis + 3] = low, high
+    return changed

@@ -127,6 +127,36 @@ def pierce(corners: Floats, face: int, other_corners: Floats, other: int, height
 
 
 @njit(cache=True, nogil=True)
+def _is_beside(corners: Floats, face: int, other_corners: Floats, other: int, heights: Floats, limit: float) -> bool:
+    """True if all of `other` lies so far beyond one side of `face`, seen from above, that its squared distance is over limit.
+
+    heights (3,): what `sides_of_plane` found for the corners of `other`.
+    """
+    ax, ay, az = corners[face, 0, 0], corners[face, 0, 1], corners[face, 0, 2]
+    ux, uy, uz = corners[face, 1, 0] - ax, corners[face, 1, 1] - ay, corners[face, 1, 2] - az
+    vx, vy, vz = corners[face, 2, 0] - ax, corners[face, 2, 1] - ay, corners[face, 2, 2] - az
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    height = 0.0
+    if heights.min() > 0.0 or heights.max() < 0.0:
+        height = min(abs(heights[0]), abs(heights[1]), abs(heights[2]))
+    missing = (limit - height * height) * (1.0 + 1e-12)
+    for side in range(3):
+        following = (side + 1) % 3
+        px, py, pz = corners[face, side, 0], corners[face, side, 1], corners[face, side, 2]
+        ex, ey, ez = corners[face, following, 0] - px, corners[face, following, 1] - py, corners[face, following, 2] - pz
+        mx, my, mz = ey * nz - ez * ny, ez * nx - ex * nz, ex * ny - ey * nx
+        least = np.inf
+        for corner in range(3):
+            wx = other_corners[other, corner, 0] - px
+            wy = other_corners[other, corner, 1] - py
+            wz = other_corners[other, corner, 2] - pz
+            least = min(least, wx * mx + wy * my + wz * mz)
+        if least > 0.0 and least * least > missing * (mx * mx + my * my + mz * mz):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
 def nearer(corners_a: Floats, face_a: int, corners_b: Floats, face_b: int, best: float, heights: Floats, point: Floats) -> float:
     """Squared distance of two triangles if below `best`, else `best`; then point (3,) is halfway between them.
 
@@ -138,6 +168,10 @@ def nearer(corners_a: Floats, face_a: int, corners_b: Floats, face_b: int, best:
         return best
     has_plane_b = sides_of_plane(corners_b, face_b, corners_a, face_a, heights[1])
     if has_plane_b and (heights[1].min() > reach or heights[1].max() < -reach):
+        return best
+    if has_plane_a and _is_beside(corners_a, face_a, corners_b, face_b, heights[0], best):
+        return best
+    if has_plane_b and _is_beside(corners_b, face_b, corners_a, face_a, heights[1], best):
         return best
     for corner in range(3):
         px, py, pz = corners_b[face_b, corner, 0], corners_b[face_b, corner, 1], corners_b[face_b, corner, 2]

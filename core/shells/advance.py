@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from core.geometry.clearance import Clearance, MovingSurface
@@ -14,7 +13,10 @@ from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_crosses
 from core.geometry.quality import quality
 from core.mesh import Faces, Vertices
-from core.run import RunContext
+from core.run import SILENT, RunContext
+from core.shells.better_place import better_places
+from core.shells.independent_sets import independent_sets
+from core.shells.innate_quality import find_poor, innate_quality
 from core.shells.reconnect import Remedy, reconnect
 from core.shells.sheet import Sheet
 
@@ -29,20 +31,23 @@ class Pace:
     retreat: float = 0.6  # a crowded vertex falls back to this share of its way
     smallest_share: float = 0.02  # below, it goes back to the start altogether
     most_retreats: int = 60
-    smoothing: float = 0.3  # share of the way to the middle of the neighbours, along the surface
-    step_mm: float = 0.15  # furthest correction of the depth in one round
+    shortening: float = 0.5  # of a vertex's next move, for every refusal
+    step_mm: float = 0.15  # furthest correction of the depth in one round ...
+    step_share: float = 0.1  # ... or this share of the depth, if that is more
     rounds: int = 20
-    patience: int = 3  # rounds in a row without a move worth it after which a vertex rests until edges change
-    worth_mm: float = 0.02
-    depth_tolerance: float = 0.02  # relative; corrected further while outside
+    patience: int = 4  # rounds in a row without a move worth it after which a vertex rests until edges change
+    worth_mm: float = 0.02  # nearer to the depth ...
+    worth_quality: float = 0.02  # ... or better in q, which makes a move worth it
+    depth_tolerance: float = 0.01  # relative; corrected further while outside
     poor_quality: float = 0.25  # q below which a face's corners are smoothed
-    least_quality: float = 0.05  # no step may take q below this, or lower where it is below
+    least_quality: float = 0.1  # no step may take q below this, or lower where it is below
     reconnect_every: int = 4  # rounds
     remedy: Remedy = field(default_factory=Remedy)
     lost_quality: float = 0.8  # share of its q that a face poorer than that may lose at the outset
 
 
 PACE = Pace()
+MENDING = Pace(rounds=8, reconnect_every=2)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -69,14 +74,32 @@ def advance(start: Sheet, goal: Vertices, depth_mm: Floats, around: Surroundings
     surface = MovingSurface(start.vertices, start.net.faces)
     sheet = start.at(_jump(start, goal, surface, around.clearance, pace))
     state = _State.of(sheet, surface, depth_mm, around.depth(sheet.vertices)[0])
+    return _settle(state, depth_mm, innate_quality(start), around, run, pace)
+
+
+def mend(sheet: Sheet, surface: MovingSurface, outer: Sheet, around: Surroundings) -> Sheet:
+    """The sheet where it is, its faces better shaped where they are worse than those of the sheet outside it.
+
+    sheet: keeps the clearance, and so does what comes back. surface: follows it.
+    """
+    depth = around.depth(sheet.vertices)[0]
+    state = _State.of(sheet, surface, depth[sheet.stand_in], depth)
+    return _settle(state, depth[sheet.stand_in], innate_quality(outer), around, SILENT, MENDING)
+
+
+def _settle(state: _State, depth_mm: Floats, innate: Floats, around: Surroundings, run: RunContext, pace: Pace) -> Sheet:
+    """Rounds of moves and of changes of edges until nothing moves."""
+    idle = False
     for count in range(pace.rounds):
-        if count % pace.reconnect_every == pace.reconnect_every - 1:
-            sheet, surface, changed = reconnect(state.sheet, state.surface, around.clearance, pace.remedy)
+        due = idle or count % pace.reconnect_every == pace.reconnect_every - 1
+        if due:
+            sheet, surface, changed = reconnect(state.sheet, state.surface, around.clearance, pace.remedy, innate)
             if changed:
-                state = _State.of(sheet, surface, depth_mm, _carried_depth(state, sheet, around))
-        wanting, moved = _improve(state, around, pace)
+                state = state.reconnected(sheet, surface, depth_mm, around)
+        wanting, moved = _improve(state, around, pace, innate)
         run.advance((count + 1) / pace.rounds, f"round {count + 1}: {wanting} vertices off depth or shape, {moved} moved")
-        if moved == 0:
+        idle = moved == 0
+        if idle and due:
             break
     return state.sheet
 
@@ -98,14 +121,17 @@ class _State:
         shape = quality(sheet.vertices, sheet.net.faces)
         return cls(sheet, surface, wanted_mm[sheet.origin], depth_mm, shape, np.zeros(sheet.net.vertex_count, dtype=np.int64))
 
-
-def _carried_depth(state: _State, sheet: Sheet, around: Surroundings) -> Floats:
-    """Depths of a sheet that came from the state's by reconnecting: measured anew only where a vertex moved."""
-    former = state.sheet.stand_in[sheet.origin]
-    depth: Floats = state.depth_mm[former]
-    moved = np.flatnonzero((sheet.vertices != state.sheet.vertices[former]).any(axis=1))
-    depth[moved] = around.depth(sheet.vertices[moved])[0]
-    return depth
+    def reconnected(self, sheet: Sheet, surface: MovingSurface, wanted_mm: Floats, around: Surroundings) -> _State:
+        """The state of a sheet that came from this one's: depths are measured only, and refusals forgotten, where it changed."""
+        former = self.sheet.stand_in[sheet.origin]
+        after = _State.of(sheet, surface, wanted_mm, self.depth_mm[former])
+        moved = np.flatnonzero((sheet.vertices != self.sheet.vertices[former]).any(axis=1))
+        after.depth_mm[moved] = around.depth(sheet.vertices[moved])[0]
+        now, before = sheet.net.faces_around.start, self.sheet.net.faces_around.start
+        changed = np.diff(now) != np.diff(before)[former]  # a flip or a collapse changes how many faces a vertex has
+        changed[moved] = True
+        after.refused[:] = np.where(sheet.net.grown(changed), 0, self.refused[former])
+        return after
 
 
 def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clearance, pace: Pace) -> Vertices:
@@ -131,34 +157,45 @@ def _jump(start: Sheet, goal: Vertices, surface: MovingSurface, clearance: Clear
     return start.vertices
 
 
-def _improve(state: _State, around: Surroundings, pace: Pace) -> tuple[int, int]:
+def _improve(state: _State, around: Surroundings, pace: Pace, innate: Floats) -> tuple[int, int]:
     """One round of smoothing and depth correction where wanted; returns how many vertices wanted it and how many moved."""
     net, vertices = state.sheet.net, state.sheet.vertices
     patient = state.refused < pace.patience
-    poor = net.grown(net.corners_of(np.flatnonzero(state.shape < pace.poor_quality)))
-    off = net.grown(np.abs(state.depth_mm - state.wanted_mm) > pace.depth_tolerance * state.wanted_mm)
+    poor = net.grown(net.corners_of(find_poor(state.sheet, state.shape, pace.poor_quality, innate)))
+    off = np.abs(state.depth_mm - state.wanted_mm) > pace.depth_tolerance * state.wanted_mm
     wanting = (off | poor) & patient
     chosen = np.flatnonzero(wanting)
     if len(chosen) == 0:
         return 0, 0
     faces = net.faces_of(wanting)
     proposal = vertices.copy()
-    _smooth(
-        vertices, net.faces, net.faces_around.start, net.faces_around.values, net.neighbours.values,
-        np.flatnonzero(poor & patient), pace.smoothing, proposal,
-    )  # fmt: skip
+    uneven = np.flatnonzero(poor & patient)
+    share = pace.shortening**state.refused
+    proposal[uneven] += share[uneven, None] * (better_places(vertices, net, uneven) - vertices[uneven])
     depth, away = around.depth(proposal[chosen])
-    correction = np.clip(state.wanted_mm[chosen] - depth, -pace.step_mm, pace.step_mm)
+    step = share[chosen] * np.maximum(pace.step_mm, pace.step_share * state.wanted_mm[chosen])
+    correction = np.clip(state.wanted_mm[chosen] - depth, -step, step)
     proposal[chosen] += correction[:, None] * away
+    wish = proposal.copy()
     moving = _accept(state, proposal, wanting, faces, around.clearance, pace)
+    # one vertex that cannot move takes its neighbours' moves back with it: try those by themselves
+    for alone in independent_sets(net, wanting & ~moving):
+        proposal[alone] = wish[alone]
+        one_by_one = np.zeros(net.vertex_count, dtype=np.bool_)
+        one_by_one[alone] = True
+        moving |= _accept(state, proposal, one_by_one, net.faces_of(one_by_one), around.clearance, pace)
 
     moved = np.flatnonzero(moving)
-    travelled = np.linalg.norm(proposal[moved] - vertices[moved], axis=1)
+    error = np.abs(state.depth_mm - state.wanted_mm)
     state.sheet = state.sheet.at(proposal)
     state.depth_mm[moved] = around.depth(proposal[moved])[0]
-    state.shape[faces] = quality(proposal, net.faces[faces])
+    gained = error - np.abs(state.depth_mm - state.wanted_mm) > pace.worth_mm
+    shape = quality(proposal, net.faces[faces])
+    better = faces[(shape > state.shape[faces] + pace.worth_quality) & (state.shape[faces] < pace.poor_quality)]
+    gained |= net.corners_of(better)
+    state.shape[faces] = shape
     state.refused[wanting] += 1
-    state.refused[moved[travelled > pace.worth_mm]] = 0
+    state.refused[gained] = 0
     return len(chosen), len(moved)
 
 
@@ -188,34 +225,3 @@ def _is_turned(start: Vertices, vertices: Vertices, faces: Faces) -> Flags:
     """Faces (F,) whose normal points against the one they started with."""
     turned: Flags = np.einsum("ij,ij->i", face_crosses(start, faces), face_crosses(vertices, faces)) <= 0
     return turned
-
-
-@njit(cache=True, nogil=True)
-def _smooth(
-    vertices: Floats,
-    faces: Faces,
-    start: NDArray[np.int64],
-    around: NDArray[np.int32],
-    neighbours: NDArray[np.int32],
-    chosen: NDArray[np.int64],
-    share: float,
-    out: Floats,
-) -> None:
-    """Move chosen vertices by a share of the way to the mean of their neighbours, along the surface; out (V, 3)."""
-    for vertex in chosen:
-        x, y, z = 0.0, 0.0, 0.0
-        nx, ny, nz = 0.0, 0.0, 0.0
-        for i in range(start[vertex], start[vertex + 1]):
-            other = neighbours[i]
-            x, y, z = x + vertices[other, 0], y + vertices[other, 1], z + vertices[other, 2]
-            a, b, c = faces[around[i], 0], faces[around[i], 1], faces[around[i], 2]
-            ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
-            vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
-            nx, ny, nz = nx + uy * vz - uz * vy, ny + uz * vx - ux * vz, nz + ux * vy - uy * vx
-        count = start[vertex + 1] - start[vertex]
-        x, y, z = x / count - vertices[vertex, 0], y / count - vertices[vertex, 1], z / count - vertices[vertex, 2]
-        length = nx * nx + ny * ny + nz * nz
-        along = (x * nx + y * ny + z * nz) / length if length > 0.0 else 0.0
-        out[vertex, 0] = vertices[vertex, 0] + share * (x - along * nx)
-        out[vertex, 1] = vertices[vertex, 1] + share * (y - along * ny)
-        out[vertex, 2] = vertices[vertex, 2] + share * (z - along * nz)

@@ -80,14 +80,16 @@ def choose_collapses(
     allowed: Flags,
     strict: bool,
     chosen: Flags,
+    places: Floats,
 ) -> None:
-    """Mark edges (K, 2) that may collapse to their middles: link condition, no face turned; strict: no lower quality.
+    """Mark edges (K, 2) that may collapse: link condition, no face turned; strict: no lower quality.
 
+    places (K, 3): to the middle or to one of the ends, whatever leaves the better faces.
     Source: link condition, Dey et al. 1999. chosen (K,) must hold False.
     """
     touched = np.zeros(len(vertices), np.bool_)
     stamp = np.full(len(vertices), -1, np.int64)
-    middle, old_normal, normal = np.empty(3), np.empty(3), np.empty(3)
+    place, old_normal, normal = np.empty(3), np.empty(3), np.empty(3)
     for i in range(len(edges)):
         if not allowed[i]:
             continue
@@ -104,21 +106,31 @@ def choose_collapses(
                 least = min(least, ring_start[ring[k] + 1] - ring_start[ring[k]])
         if not free or shared != 2 or least < LEAST_VALENCE:
             continue
-        for axis in range(3):
-            middle[axis] = 0.5 * (vertices[a, axis] + vertices[b, axis])
-        before, after, turned = 2.0, 2.0, False
+        before, best = 2.0, -1.0
         for end in (a, b):
             for k in range(face_start[end], face_start[end + 1]):
                 face = face_values[k]
-                p, q, r = faces[face, 0], faces[face, 1], faces[face, 2]
-                before = min(before, _quality(vertices, p, q, r, old_normal))
-                if (p == a or q == a or r == a) and (p == b or q == b or r == b):
-                    continue
-                after = min(after, _moved_quality(vertices, p, q, r, end, middle, normal))
-                turned = turned or _dot(normal, old_normal) <= TURN_COSINE * np.sqrt(
-                    _dot(normal, normal) * _dot(old_normal, old_normal)
-                )
-        if turned or (strict and after < before):
+                before = min(before, _quality(vertices, faces[face, 0], faces[face, 1], faces[face, 2], normal))
+        for share in (0.5, 0.0, 1.0):
+            for axis in range(3):
+                place[axis] = vertices[a, axis] + share * (vertices[b, axis] - vertices[a, axis])
+            after = 2.0
+            for end in (a, b):
+                for k in range(face_start[end], face_start[end + 1]):
+                    face = face_values[k]
+                    p, q, r = faces[face, 0], faces[face, 1], faces[face, 2]
+                    if (p == a or q == a or r == a) and (p == b or q == b or r == b):
+                        continue
+                    _quality(vertices, p, q, r, old_normal)
+                    after = min(after, _moved_quality(vertices, p, q, r, end, place, normal))
+                    lengths = np.sqrt(_dot(normal, normal) * _dot(old_normal, old_normal))
+                    if _dot(normal, old_normal) <= TURN_COSINE * lengths:
+                        after = -1.0
+            if after > best:
+                best = after
+                for axis in range(3):
+                    places[i, axis] = place[axis]
+        if best < 0.0 or (strict and best < before):
             continue
         chosen[i] = True
         touched[a] = touched[b] = True

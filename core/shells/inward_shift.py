@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from core.geometry.adjacency import Rows
+from core.geometry.chunks import in_chunks
 from core.geometry.normals import face_normals
 from core.mesh import Faces, Vertices
 
@@ -19,28 +20,31 @@ FLAT_COSINE = 0.995  # where all normals are this near their mean, its direction
 SETTLED = 1e-5  # a round that changes no weight by more is the last
 
 
-def inward_shift(vertices: Vertices, faces: Faces, around: Rows) -> Floats:
+def inward_shift(vertices: Vertices, faces: Faces, around: Rows, chosen: NDArray[np.int64] | None = None) -> Floats:
     """Shortest movement s of each vertex with n_i · s <= -1 for all faces i around it, (V, 3) per mm.
 
     Moving by `d * s` shifts every face by at least d; where all normals make one angle with an axis this is exactly
     thesis Eq. (4.1), d n0 / |n0|², but it does not depend on the areas of the faces and holds at saddles too.
-    around: faces of each vertex. Longer than `LONGEST_SHIFT` is cut off.
+    around: faces of each vertex. chosen (N,): only these vertices, (N, 3) then. Longer than `LONGEST_SHIFT` is cut off.
     Source: Eq. (4.1); the small quadratic programs are solved by Hildreth's method.
     """
-    shift = np.empty_like(vertices)
-    _shift(face_normals(vertices, faces), around.start, around.values, shift)
+    asked = np.arange(len(vertices)) if chosen is None else chosen
+    shift = np.empty((len(asked), 3))
+    normals = face_normals(vertices, faces)
+    in_chunks(len(asked), lambda start, end: _shift(normals, around.start, around.values, asked[start:end], shift[start:end]))
     return shift
 
 
 @njit(cache=True, nogil=True)
-def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32], shift: Floats) -> None:
-    """normals (F, 3) unit or zero; start (V+1,), values: CSR faces around vertices; shift (V, 3) is filled."""
+def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32], asked: NDArray[np.int64], shift: Floats) -> None:
+    """normals (F, 3) unit or zero; start (V+1,), values: CSR faces around vertices; shift (N, 3) of asked (N,) is filled."""
     weight = np.empty(MOST_FACES)
-    for vertex in range(len(start) - 1):
+    for row in range(len(asked)):
+        vertex = asked[row]
         count = min(start[vertex + 1] - start[vertex], MOST_FACES)
         x, y, z, steepest = _along_mean(normals, values, start[vertex], count)
         if steepest > FLAT_COSINE:
-            shift[vertex, 0], shift[vertex, 1], shift[vertex, 2] = -x / steepest, -y / steepest, -z / steepest
+            shift[row, 0], shift[row, 1], shift[row, 2] = -x / steepest, -y / steepest, -z / steepest
             continue
         weight[:count] = 0.0
         x, y, z = 0.0, 0.0, 0.0
@@ -61,7 +65,7 @@ def _shift(normals: Floats, start: NDArray[np.int64], values: NDArray[np.int32],
                 break
         length = np.sqrt(x * x + y * y + z * z)
         scale = LONGEST_SHIFT / length if length > LONGEST_SHIFT else 1.0
-        shift[vertex, 0], shift[vertex, 1], shift[vertex, 2] = scale * x, scale * y, scale * z
+        shift[row, 0], shift[row, 1], shift[row, 2] = scale * x, scale * y, scale * z
 
 
 @njit(cache=True, nogil=True)

@@ -12,10 +12,12 @@ from core.geometry.clearance import Clearance, MovingSurface
 from core.geometry.connectivity import Connectivity
 from core.geometry.quality import quality, side_lengths
 from core.shells.edge_choice import choose_collapses, choose_flips
+from core.shells.innate_quality import find_poor
 from core.shells.sheet import Sheet
 
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 ATTEMPTS = 6  # a batch is tried again without the edges whose new faces were crowded
 
@@ -41,7 +43,9 @@ class _Change:
     candidate: Ints
 
 
-def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy: Remedy) -> tuple[Sheet, MovingSurface, int]:
+def reconnect(
+    sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy: Remedy, innate: Floats
+) -> tuple[Sheet, MovingSurface, int]:
     """Flip the longest sides of caps, then collapse the shortest sides of needles.
 
     Promises: closed manifold, genus and clearance are kept; the lowest quality around a changed edge rises or stays.
@@ -49,7 +53,7 @@ def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy
     """
     shape = quality(sheet.vertices, sheet.net.faces)
     sides = side_lengths(sheet.vertices, sheet.net.faces)
-    caps = np.flatnonzero(shape < remedy.flip_below)
+    caps = find_poor(sheet, shape, remedy.flip_below, innate)
     caps = caps[np.argsort(shape[caps], kind="stable")]
     # side i of side_lengths lies opposite corner i, so it begins at corner i + 1
     begins = (np.argmax(sides[caps], axis=1) + 1) % 3
@@ -58,7 +62,8 @@ def reconnect(sheet: Sheet, surface: MovingSurface, clearance: Clearance, remedy
         sheet, surface = flipped[0], flipped[1]
 
     after_flips = sheet
-    edges = _needles(after_flips, remedy.collapse_below)
+    shape = quality(sheet.vertices, sheet.net.faces)
+    edges = shortest_sides(sheet, find_poor(sheet, shape, remedy.collapse_below, innate))
     collapsed = _in_batches(len(edges), surface, clearance, lambda allowed: _collapse(after_flips, edges, allowed, strict=True))
     if collapsed is not None:
         sheet, surface = collapsed[0], collapsed[1]
@@ -85,10 +90,6 @@ def shortest_sides(sheet: Sheet, faces: Ints) -> Ints:
     ends = np.sort(ends[order], axis=1)
     _unique, first = np.unique(ends, axis=0, return_index=True)
     return ends[np.sort(first)]
-
-
-def _needles(sheet: Sheet, below: float) -> Ints:
-    return shortest_sides(sheet, np.flatnonzero(quality(sheet.vertices, sheet.net.faces) < below))
 
 
 def _in_batches(
@@ -136,16 +137,16 @@ def _flip(sheet: Sheet, faces: Ints, begins: Ints, allowed: Flags) -> _Change | 
 
 def _collapse(sheet: Sheet, edges: Ints, allowed: Flags, *, strict: bool) -> _Change | None:
     net = sheet.net
-    chosen = np.zeros(len(edges), dtype=np.bool_)
+    chosen, places = np.zeros(len(edges), dtype=np.bool_), np.empty((len(edges), 3))
     choose_collapses(
         sheet.vertices, net.faces, net.faces_around.start, net.faces_around.values,
-        net.neighbours.start, net.neighbours.values, edges, allowed, strict, chosen,
+        net.neighbours.start, net.neighbours.values, edges, allowed, strict, chosen, places,
     )  # fmt: skip
     number = np.flatnonzero(chosen)
     if len(number) == 0:
         return None
     gone, kept = edges[number, 1], edges[number, 0]
-    merged, former = sheet.merged(gone, kept, 0.5 * (sheet.vertices[gone] + sheet.vertices[kept]))
+    merged, former = sheet.merged(gone, kept, places[number])
     # a vertex's stand-in tells where the kept one went
     candidate_at = np.full(merged.net.vertex_count, -1, dtype=np.int64)
     candidate_at[merged.stand_in[sheet.origin[kept]]] = number

@@ -11,9 +11,12 @@ from core.geometry.face_tree import FaceTree
 from core.mesh import Mesh
 from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
+from core.shells.advance import Surroundings, mend
 from core.shells.inward_shift import inward_shift
 from core.shells.reconnect import collapse_edges, shortest_sides
 from core.shells.sheet import Sheet
+
+Floats = NDArray[np.float64]
 
 FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
@@ -31,41 +34,52 @@ def thinnest_stack(
     Raises: InputError `shells.no_room` with the places, if that does not end.
     """
     stack = []
-    outer = whole
+    outer, tree = whole, FaceTree.of(skin.vertices, skin.faces)
     for count, name in enumerate(names):
-        outer = _next_sheet(skin, outer, name, gap_mm, own_mm)
+        outer = _next_sheet(skin, tree, outer, name, gap_mm, own_mm)
         stack.append(outer)
         run.advance((count + 1) / len(names), f"{name}: {len(outer.net.faces)} faces")
     return tuple(stack)
 
 
-def _next_sheet(skin: Mesh, outer: Sheet, name: str, gap_mm: float, own_mm: float) -> Sheet:
+def _next_sheet(skin: Mesh, tree: FaceTree, outer: Sheet, name: str, gap_mm: float, own_mm: float) -> Sheet:
     outside = Clearance(gap_mm, own_mm, (FaceTree.of(outer.vertices, outer.net.faces),))
     alone = Clearance(gap_mm, own_mm, ())
     push = np.full(len(skin.vertices), FIRST_PUSH * gap_mm)  # by skin vertex: it survives collapses
-    sheet, placed = outer, _pushed(outer, push)
+    sheet, shift = outer, inward_shift(outer.vertices, outer.net.faces, outer.net.faces_around)
+    placed = _pushed(sheet, push, shift)
     surface = MovingSurface(placed.vertices, placed.net.faces)
     asked = np.arange(len(placed.net.faces))
     before, crowded = placed, asked
     for attempt in range(ATTEMPTS):
         crowded = surface.find_crowded(placed.vertices, asked, outside)
         if len(crowded) == 0:
-            return placed
+            return mend(placed, surface, outer, Surroundings(tree, outside))
         folded = surface.find_crowded(placed.vertices, crowded, alone)
         near = sheet.net.corners_of(np.setdiff1d(crowded, folded))
         push[sheet.origin[near]] *= HARDER
         squeezed = folded if attempt < PATIENCE else crowded
         around = sheet.net.faces_of(sheet.net.corners_of(squeezed))
+        former_sheet = sheet
         sheet, former = collapse_edges(sheet, shortest_sides(sheet, around))
-        before, placed = placed, _pushed(sheet, push)
+        shift = _carried_shift(sheet, former_sheet, former, shift)
+        before, placed = placed, _pushed(sheet, push, shift)
         moved = (placed.vertices[placed.net.faces] != before.vertices[before.net.faces[former]]).any(axis=(1, 2))
         asked = np.flatnonzero(moved | np.isin(former, crowded))
         surface = surface.edited(placed.vertices, placed.net.faces, former)
     raise _no_room(skin, before, crowded, name, gap_mm)
 
 
-def _pushed(sheet: Sheet, push: NDArray[np.float64]) -> Sheet:
-    shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
+def _carried_shift(sheet: Sheet, former_sheet: Sheet, former: NDArray[np.int64], shift: Floats) -> Floats:
+    """Shifts of a sheet after collapses: found anew only where faces changed; former (F,): the old number of each face."""
+    carried = shift[former_sheet.stand_in[sheet.origin]]
+    before, after = former_sheet.vertices[former_sheet.net.faces[former]], sheet.vertices[sheet.net.faces]
+    changed = np.flatnonzero(sheet.net.corners_of(np.flatnonzero((before != after).any(axis=(1, 2)))))
+    carried[changed] = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around, changed)
+    return carried
+
+
+def _pushed(sheet: Sheet, push: Floats, shift: Floats) -> Sheet:
     return sheet.at(sheet.vertices + push[sheet.origin, None] * shift)
 
 

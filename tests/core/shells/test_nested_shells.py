@@ -13,6 +13,8 @@ from core.mesh import Mesh
 from core.schema.shells import ShellsInputs
 from core.shells.nested_shells import Shell, create_shells
 from core.shells.thickness import measure_thickness
+from core.validation.measure import measure_surface
+from core.validation.surface import Surface
 from core.validation.validate import validate
 from subjects.body import body
 from tests.core.shells.solids import capsule, cube, plate, sphere, torus
@@ -114,6 +116,23 @@ def test_body_meets_the_numbers_of_the_thesis_case():
     assert average_body.on_target_area >= 0.98
     assert fat.missed_area <= 0.01
     assert average_body.missed_area <= 0.01
+    for report in (measure_surface(Surface(shell.name, shell.mesh)) for shell in shells):
+        assert report.quality.minimum >= 0.05
+        assert report.quality.percentile_1 >= 0.2
+        assert report.minimum_dihedral_deg is not None
+        assert report.minimum_dihedral_deg >= 5.0
+
+
+@pytest.mark.slow
+def test_six_layers_of_a_coarse_body_are_well_shaped_and_on_target():
+    depths = (0.3, 0.6, 1.0, 2.0, 3.0, 5.0)
+    shells = create_shells(body(0), wanted(*({"name": f"layer_{i}", "depth_mm": d} for i, d in enumerate(depths))))
+    prove(body(0), shells, 0.05)
+    for shell, depth in zip(shells, depths, strict=True):
+        report = measure_surface(Surface(shell.name, shell.mesh))
+        assert report.quality.minimum >= 0.015
+        assert report.quality.percentile_1 >= 0.2
+        assert measure_thickness(shell, depth).on_target_area >= 0.98
 
 
 def test_equal_input_gives_equal_bytes():

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from core.errors import InputError
 from core.shells.nested_shells import create_shells
 from core.shells.thickness import measure_thickness
 from subjects.body import body
-from subjects.generated.solid import near_touching_fingers
+from subjects.corpus import foot, hand
+from subjects.generated.solid import bowl, gear, near_touching_fingers
 from tests.core.shells.solids import cube, sphere, torus
 from tests.core.shells.test_nested_shells import prove, wanted
 
@@ -40,7 +42,7 @@ def test_torus_gives_a_thicker_torus_until_its_hole_is_full():
     thickness = measure_thickness(gel, 4.0)
     assert thickness.side == "outside"
     assert thickness.limited_area > 0.03
-    assert thickness.missed_area < 0.05
+    assert thickness.missed_area < 0.07
     x, y, _z = gel.mesh.vertices.T
     assert np.hypot(x, y).min() > 0.0  # the hole is still there
 
@@ -72,6 +74,21 @@ def test_body_is_wrapped_and_filled_at_once():
     # layers on one side do not know of those on the other
     (alone,) = create_shells(skin, wanted(FAT))
     assert np.array_equal(alone.mesh.vertices, fat.mesh.vertices)
+
+
+@pytest.mark.parametrize("make", [hand, foot, lambda: gear(25, 12, 12, 1.5), lambda: bowl(30, 3, 64)])
+def test_two_layers_around_what_is_hard_are_proven(make):
+    skin = make()
+    shells = create_shells(skin, wanted(GEL | {"depth_mm": 3.0}, HAIR | {"depth_mm": 1.0}))
+    prove(skin, shells, 0.05)
+    assert min(measure_thickness(shell, 1.0).on_target_area for shell in shells) > 0.75
+
+
+def test_slits_without_room_for_the_gap_are_refused_with_places():
+    with pytest.raises(InputError) as refused:
+        create_shells(near_touching_fingers(7, 0.02, 1.5), wanted(HAIR))
+    assert refused.value.code == "shells.no_room"
+    assert refused.value.findings[0].places
 
 
 def test_region_has_its_own_distance_outside_too():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -16,7 +18,8 @@ from core.shells.thickness import is_limited, vertex_areas
 from core.shells.widen_skin import WidenedSkin, widen_skin
 from core.validation.requirements import require_fit_skin
 from subjects.body import body
-from subjects.generated.solid import near_touching_fingers
+from subjects.corpus import foot, hand
+from subjects.generated.solid import gear, near_touching_fingers
 from tests.core.shells.solids import plate, sphere
 from tests.core.shells.test_nested_shells import prove, wanted
 
@@ -77,6 +80,15 @@ def test_fingers_that_nearly_touch_are_kept_apart() -> None:
     skin = near_touching_fingers(2, 0.2, 1.0)
     widened = widen(skin, wanted(skin_shift_mm=5.0))
     assert widened.moved_mm.max() > 0.5
+
+
+@pytest.mark.parametrize("make", [hand, foot, lambda: gear(25, 12, 12, 1.5)])
+def test_what_is_hard_stays_fit_and_can_be_filled(make: Callable[[], Mesh]) -> None:
+    skin = make()
+    inputs = wanted(skin_shift_mm=2.0)
+    widened = widen(skin, inputs)
+    assert widened.moved_mm.max() > 0.2
+    prove(widened.mesh, create_shells(widened.mesh, inputs), 0.05)
 
 
 def limited_area(shells: tuple[Shell, ...], low: np.ndarray, high: np.ndarray) -> float:
