@@ -31,7 +31,8 @@ class Gaps:
 def join_rims(vertices: Vertices, faces: Faces, loops: list[Ints], piece: Ints) -> Gaps:
     """Join rims of different pieces where the band between them is smaller than the caps over both.
 
-    piece: (F,) of each face. Rims with the smallest way between them come first.
+    piece: (F,) of each face. Rims with the smallest band come first; a rim may be joined with several, as that of a hole with
+    its islets.
     """
     piece_of_vertex = np.zeros(len(vertices), dtype=np.int64)
     piece_of_vertex[faces] = piece[:, None]
@@ -45,11 +46,13 @@ def join_rims(vertices: Vertices, faces: Faces, loops: list[Ints], piece: Ints) 
     rim_of = np.arange(len(loops))
     for _cost, i, j in _candidates(vertices, loops, owner):
         a, b = owner[i], owner[j]
-        if group[a] == group[b]:
-            continue
         first, second = int(rim_of[i]), int(rim_of[j])
+        if first == second:
+            continue
         start, end, alike = _bridge(vertices, loops[i], loops[j])
-        if alike != (flips[a] != flips[b]):  # both rims would run the same way: turn the smaller group over
+        if alike != (flips[a] != flips[b]):  # both rims would run the same way: turn one group over
+            if group[a] == group[b]:
+                continue
             members = np.flatnonzero(group == group[b])
             flips[members] ^= True
             for k, rim in enumerate(rims):
@@ -100,6 +103,8 @@ def _candidates(vertices: Vertices, loops: list[Ints], owner: Ints) -> list[tupl
         apart = np.linalg.norm(np.maximum(0.0, np.maximum(low[i] - high, low - high[i])), axis=1)
         near = np.flatnonzero((apart * (length[i] + length) / 2 < cap[i] + cap) & (owner != owner[i]))
         for j in near[near > i].tolist():
+            if np.intersect1d(loops[i], loops[j]).size:
+                continue  # rims that touch have no band between them
             there, back = trees[j].query(points[number == i])[0], trees[i].query(points[number == j])[0]
             way = (np.mean(there) + np.mean(back)) / 2
             share = way * (length[i] + length[j]) / 2 / max(cap[i] + cap[j], 1e-300)

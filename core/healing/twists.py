@@ -16,7 +16,7 @@ Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
 LARGEST_SHARE = 0.02  # of the faces of a piece: a surface that has to lose more is one-sided by nature
-FEWEST = 8  # faces that may go however small the piece is
+FEWEST = 8  # faces that may go from a small piece, if they are no more than a tenth of it
 
 
 def cut_twists(vertices: Vertices, faces: Faces) -> Staged:
@@ -33,7 +33,7 @@ def cut_twists(vertices: Vertices, faces: Faces) -> Staged:
     gone = np.zeros(len(faces), dtype=np.bool_)
     gone[pair[disagree]] = True
     losses, sizes = np.bincount(piece[gone], minlength=piece.max() + 1), np.bincount(piece)
-    if not gone.any() or (losses > np.maximum(LARGEST_SHARE * sizes, FEWEST)).any():
+    if not gone.any() or (losses > np.maximum(LARGEST_SHARE * sizes, np.minimum(FEWEST, sizes / 10))).any():
         return vertices, faces, []
     triangles = vertices[faces[gone]]
     message = f"{int(gone.sum())} faces that made the surface one-sided were taken out"

@@ -63,10 +63,12 @@ def damaged(draw: st.DrawFn) -> Mesh:
 @settings(max_examples=60)
 @given(damaged())
 def test_what_is_healed_is_ready_and_stays_as_it_is(mesh: Mesh) -> None:
+    codes = ("heal.nothing_left", "heal.open_sheet", "heal.changes_too_much", "heal.intersections_remain")
     try:
         healed(mesh, max_area_change=1.0, max_volume_change=1.0, max_deviation_mm=100.0)
     except InputError as refusal:
-        assert refusal.code in ("heal.nothing_left", "heal.not_resolved", "heal.changes_too_much")
+        if refusal.code not in codes:
+            raise
 
 
 @settings(max_examples=15)

@@ -72,7 +72,7 @@ def test_a_cap_goes_and_its_long_side_is_split() -> None:
 
 def test_a_needle_is_not_taken_for_a_cap() -> None:
     needle = np.array([[0, 0, 0], [1e-9, 0, 0], [100, 0, 0], [0, 1, 0]], dtype=float)
-    _vertices, faces, changes = drop_flat_faces(needle + [0, 1e-7, 0], np.array([[0, 1, 3]], dtype=np.int32))
+    _vertices, faces, changes = drop_flat_faces(needle + np.array([0, 1e-7, 0]), np.array([[0, 1, 3]], dtype=np.int32))
     assert (len(faces), changes) == (1, [])
 
 
@@ -80,7 +80,7 @@ def test_a_needle_is_not_taken_for_a_cap() -> None:
 def test_cracks_close_within_a_share_of_the_edges(gap: float, joined: bool) -> None:
     # two squares of side 1 with a gap between them
     left = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    vertices = np.concatenate((left, left + [1 + gap, 0, 0]))
+    vertices = np.concatenate((left, left + np.array([1 + gap, 0, 0])))
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], dtype=np.int32)
     _vertices, faces, changes = join_cracks(vertices, faces)
     assert len(np.unique(faces)) == (6 if joined else 8)
@@ -89,7 +89,7 @@ def test_cracks_close_within_a_share_of_the_edges(gap: float, joined: bool) -> N
 
 def test_an_asked_tolerance_counts() -> None:
     left = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    vertices = np.concatenate((left, left + [1.05, 0, 0]))
+    vertices = np.concatenate((left, left + np.array([1.05, 0, 0])))
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], dtype=np.int32)
     assert join_cracks(vertices, faces, 0.04)[2] == []
     assert len(np.unique(join_cracks(vertices, faces, 0.06)[1])) == 6
@@ -203,7 +203,7 @@ def test_scraps_go_unless_they_enclose_something_and_are_wanted() -> None:
     flat = np.array([[0, 1, 2], [0, 2, 3]]) + shift
     faces = np.concatenate((ball.faces, cup.faces + len(ball.vertices), flat)).astype(np.int32)
     assert len(drop_scraps(vertices, faces, "keep_all")[1]) == len(ball.faces) + len(cup.faces)
-    tiny = 0.2 * (vertices - [20, 0, 0]) + [20, 0, 0]
+    tiny = 0.2 * (vertices - np.array([20, 0, 0])) + np.array([20, 0, 0])
     vertices[len(ball.vertices) : shift] = tiny[len(ball.vertices) : shift]
     assert len(drop_scraps(vertices, faces, "keep_all")[1]) == len(ball.faces) + len(cup.faces)
     assert len(drop_scraps(vertices, faces, "keep_largest")[1]) == len(ball.faces)
