@@ -10,6 +10,7 @@ from sqlalchemy import select, update
 
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
+from store.outbox import tell_subscriber
 from store.records import JobRow
 from store.storable import storable, storable_text
 from store.transition import (
@@ -67,6 +68,7 @@ class Claims:
             if row is None:
                 return None
             announce(session, row, now)
+            tell_subscriber(session, row, now)
             return snapshot(row)
 
     def renew(

@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, func, select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
+from store.callback import Subscriber
 from store.claims import Claims
 from store.database import Database
 from store.job import Job, JobStatus, MeshInput
@@ -41,6 +42,7 @@ class Jobs(Claims, Reconciliation):
         *,
         mesh_inputs: Iterable[MeshInput] = (),
         max_attempts: int = 2,
+        subscriber: Subscriber | None = None,
         session: Session | None = None,
     ) -> Job:
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
@@ -69,6 +71,7 @@ class Jobs(Claims, Reconciliation):
                 timings_s={},
                 event_seq=0,
                 output_bytes=0,
+                subscriber=None if subscriber is None else subscriber.describe(),
                 mesh_inputs=[
                     JobInputRow(
                         href=mesh.href,

@@ -103,6 +103,7 @@ class JobRow(Record):
     peak_memory_bytes: Mapped[int | None] = mapped_column(BigInteger)
     event_seq: Mapped[int]
     output_bytes: Mapped[int] = mapped_column(BigInteger)  # of all outputs, for the quota: an index holds the sum
+    subscriber: Mapped[dict[str, Any] | None] = mapped_column(Json)  # whom to call back, None: nobody
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
@@ -213,3 +214,26 @@ class UploadRow(Record):
     mesh_id: Mapped[str | None] = mapped_column(Identifier)
     created_at: Mapped[datetime] = mapped_column(Instant)
     expires_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class CallbackRow(Record):
+    """What a subscriber is to be told: written with the state change it tells of, sent by a worker."""
+
+    __tablename__ = "callbacks"
+    __table_args__ = (Index(None, "job_id"), Index(None, "state", "due_at"))
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey(JobRow.id, ondelete="CASCADE"))
+    event: Mapped[str] = mapped_column(String(16))
+    uri: Mapped[str] = mapped_column(Text)
+    body: Mapped[str] = mapped_column(Text)  # the very characters that are signed and sent, in every attempt
+    state: Mapped[str] = mapped_column(String(16))
+    attempts: Mapped[int]
+    lease_token: Mapped[int]
+    lease_until: Mapped[datetime | None] = mapped_column(Instant)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    due_at: Mapped[datetime] = mapped_column(Instant)
+    ended_at: Mapped[datetime | None] = mapped_column(Instant)
+    last_status: Mapped[int | None]
+    last_error: Mapped[str | None] = mapped_column(Text)
