@@ -12,6 +12,8 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
+from store.callback_secret import secret_bytes
+from store.receivers import Receivers
 from store.s3_place import S3Place
 
 PREFIX = "INTEGUMENT_"
@@ -63,6 +65,23 @@ def _names(value: Any) -> Any:
     """`a.example, B.example` -> ("a.example", "b.example")."""
     names = value.split(",") if isinstance(value, str) else value
     return tuple(str(name).strip().lower() for name in names if str(name).strip())
+
+
+def _secrets(value: Any) -> Any:
+    """Separated by commas; base64 knows upper and lower case."""
+    secrets = value.split(",") if isinstance(value, str) else value
+    return tuple(str(secret).strip() for secret in secrets if str(secret).strip())
+
+
+def _checked_secrets(secrets: tuple[str, ...]) -> tuple[str, ...]:
+    for secret in secrets:
+        secret_bytes(secret)
+    return secrets
+
+
+def _checked_receivers(names: tuple[str, ...]) -> tuple[str, ...]:
+    Receivers(names)
+    return names
 
 
 def _to_text(value: Any) -> str:
@@ -138,6 +157,15 @@ class Settings(BaseSettings):
     max_attempts: int = Field(2, ge=1, le=100, description="Workers a job may lose before it fails with `worker.lost`")
     worker_concurrency: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=1024, description="Jobs one worker runs at a time"
+    )
+    callback_secret: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_secrets), AfterValidator(_checked_secrets)] = Field(
+        (),
+        repr=False,
+        description="Signs callbacks: `whsec_` and base64 of 24 to 64 bytes; several, separated by commas, while one replaces "
+        "another; none: callbacks are refused",
+    )
+    callback_allow: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names), AfterValidator(_checked_receivers)] = Field(
+        (), description="Host names, addresses and networks callbacks may go to besides the public internet, also by http"
     )
     event_poll_s: Seconds = Field(0.25, description="How often an event stream looks for new events")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")

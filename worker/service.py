@@ -8,8 +8,11 @@ from typing import Any
 
 from celery.signals import worker_ready, worker_shutting_down
 
+from store.receivers import Receivers
 from store.settings import Settings
 from worker.app import create_app
+from worker.callback_sender import CallbackSender
+from worker.deliverer import Deliverer
 from worker.liveness import Liveness
 from worker.pool import BellTaskPool
 from worker.reconciler import Reconciler
@@ -26,14 +29,19 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
     workshop.nursery.start()  # before Celery has any thread
     liveness = Liveness(settings)
     reconciler = Reconciler(workshop, liveness)
+    sender = CallbackSender(Receivers(settings.callback_allow), settings.callback_secret)
+    deliverer = Deliverer(workshop.callbacks, sender)
 
     def on_ready(**_: Any) -> None:
         reconciler.start()
+        if settings.callback_secret:  # else the API takes no subscribers
+            deliverer.start()
         logger.info("worker %s is ready, %d jobs at a time", workshop.name, settings.worker_concurrency)
 
     def on_stop(**_: Any) -> None:
         workshop.closing.begin()
         reconciler.let_go()
+        deliverer.let_go()
 
     worker_ready.connect(on_ready, weak=False)
     worker_shutting_down.connect(on_stop, weak=False)
@@ -52,6 +60,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         worker.start()
     finally:
         reconciler.stop()
+        deliverer.stop(settings.drain_s)
         workshop.nursery.stop()
         for job_id, attempt in workshop.closing.left:
             workshop.announce(job_id, attempt)

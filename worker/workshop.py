@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from sandbox.limits import Limits
 from sandbox.nursery import Nursery
 from store.blobs import Blobs
+from store.callbacks import Callbacks
 from store.database import Database
 from store.doorbell import Doorbell
 from store.idempotency import IdempotencyKeys
@@ -29,6 +30,7 @@ class Workshop:
     settings: Settings
     db: Database
     jobs: Jobs
+    callbacks: Callbacks
     blobs: Blobs
     references: References
     keys: IdempotencyKeys
@@ -46,6 +48,7 @@ class Workshop:
             settings=settings,
             db=db,
             jobs=Jobs(db),
+            callbacks=Callbacks(db),
             blobs=open_blobs(settings, db),
             references=References(db),
             keys=IdempotencyKeys(db, settings.idempotency_hours),

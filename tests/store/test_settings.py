@@ -90,6 +90,10 @@ def test_variables_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
         ("broker_url", "amqp://h"),
         ("broker_url", "redis://"),
         ("broker_url", ""),
+        ("callback_secret", "sesame"),
+        ("callback_secret", "whsec_c2hvcnQ="),
+        ("callback_allow", "10.0.0.1/8"),
+        ("callback_allow", "http://lab.example"),
     ],
 )
 def test_nonsense_is_refused(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
@@ -140,6 +144,8 @@ def default_of(name: str) -> str:
         "worker_concurrency": "number of cores",
         "allowed_hosts": "none",
         "blobs_url": "none",
+        "callback_secret": "none",
+        "callback_allow": "none",
     }
     if name in told:
         return str(told[name])
