@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.decimation.box_tree import widen
 from core.decimation.nearness import Nearness, stays_near
 from core.decimation.placement import place
-from core.decimation.room import Obstacles, RoomScratch, has_room
+from core.decimation.room import BLOCK, Obstacles, RoomScratch, has_room
 from core.decimation.star import following, gather_star, preceding
 from core.decimation.state import GONE, State
 from core.decimation.triangle import triangle
@@ -132,7 +132,8 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
     points[a, 0], points[a, 1], points[a, 2] = x, y, z
     reason = DONE
     if not has_room(
-        points, ids, state.normals, state.boxes, obstacles, guards.own_mm, guards.thorough, token, scratch.face_stamp,
+        points, ids, state.normals, state.boxes, state.calm, first // BLOCK, obstacles,
+        guards.own_mm, guards.thorough, token, scratch.face_stamp,
         a, count, scratch.rim, scratch.normals, scratch.room,
     ):  # fmt: skip
         reason = CROWDED

@@ -12,7 +12,7 @@ from core.decimation.box_tree import widen
 from core.decimation.collapse import Guards, Scratch
 from core.decimation.nearness import Nearness, stays_near
 from core.decimation.placement import place
-from core.decimation.room import Obstacles, has_room
+from core.decimation.room import BLOCK, Obstacles, has_room
 from core.decimation.star import following, gather_star, preceding
 from core.decimation.state import GONE, State
 from core.decimation.triangle import triangle
@@ -86,7 +86,8 @@ def _smooth(
         scratch.face_stamp[scratch.star_a[i] // 3] = scratch.token[0]
     points[vertex, 0], points[vertex, 1], points[vertex, 2] = x, y, z
     fits = has_room(
-        points, ids, state.normals, state.boxes, obstacles, guards.own_mm, guards.thorough, scratch.token[0],
+        points, ids, state.normals, state.boxes, state.calm, scratch.star_a[0] // 3 // BLOCK,
+        obstacles, guards.own_mm, guards.thorough, scratch.token[0],
         scratch.face_stamp, vertex, count, scratch.rim, scratch.normals, scratch.room,
     )  # fmt: skip
     if fits and nearness.asked:
