@@ -10,6 +10,7 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from api.callback_description import describe_callbacks
 from api.dialect import to_common_dialect
 from api.needed_scope import needed_scope
 from api.problems import MEDIA_TYPE
@@ -34,6 +35,7 @@ SECURITY_SCHEME = {
     "bearerFormat": "itg_<id>_<secret>_<checksum>",
     "description": "An API key, made by `integument admin keys create`. Never in a URL.",
 }
+EXECUTE = "executeProcess"
 GATE_STATUSES = (401, 403, 429)
 _FRAMEWORK_SCHEMAS = ("HTTPValidationError", "ValidationError")
 
@@ -69,6 +71,8 @@ def build_openapi(app: FastAPI) -> dict[str, Any]:
         for method, operation in operations.items():
             _add_security(method, path, operation)
             _rewrite(operation)
+            if operation["operationId"] == EXECUTE:
+                operation["callbacks"] = describe_callbacks()
     return document
 
 

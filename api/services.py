@@ -16,6 +16,7 @@ from sandbox.nursery import Nursery
 from store.api_keys import ApiKeys
 from store.backlog import Backlog
 from store.blobs import Blobs
+from store.callbacks import Callbacks
 from store.database import Database
 from store.doorbell import Doorbell
 from store.events import Events
@@ -26,6 +27,7 @@ from store.meshes import Meshes
 from store.open_blobs import open_blobs
 from store.quotas import Quotas
 from store.rate_limit import RateLimiter
+from store.receivers import Receivers
 from store.settings import Settings
 from store.uploads import Uploads
 
@@ -44,6 +46,8 @@ class Services:
     mesh_inputs: MeshInputs
     uploads: Uploads
     jobs: Jobs
+    callbacks: Callbacks
+    receivers: Receivers
     quotas: Quotas
     events: Events
     backlog: Backlog
@@ -80,6 +84,8 @@ def make_services(settings: Settings) -> Services:
         mesh_inputs=MeshInputs(db, blobs),
         uploads=Uploads(db, settings.upload_hours, quotas),
         jobs=Jobs(db, quotas),
+        callbacks=Callbacks(db),
+        receivers=Receivers(settings.callback_allow),
         quotas=quotas,
         events=Events(db),
         backlog=Backlog(db),

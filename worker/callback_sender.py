@@ -57,8 +57,8 @@ class CallbackSender:
             "content-type": "application/json",
             "user-agent": "Integument",
             "connection": "close",
-            **signature_headers(self._secrets, callback.id, int(time.time()), body),
         }
+        headers.update(signature_headers(self._secrets, callback.id, int(time.time()), body))
         try:
             self._receivers.require_uri(callback.uri)  # once more: the operator may have changed his mind
             network = CheckedNetwork(self._receivers, self._timeout_s, self._resolve)

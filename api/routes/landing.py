@@ -15,7 +15,7 @@ router = APIRouter(tags=["Capabilities"])
 
 _CLASSES = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/"
 CONFORMANCE_CLASSES = tuple(
-    _CLASSES + name for name in ("core", "ogc-process-description", "json", "job-list", "dismiss", "oas30")
+    _CLASSES + name for name in ("core", "ogc-process-description", "json", "job-list", "dismiss", "callback", "oas30")
 )
 
 

@@ -20,7 +20,9 @@ from api.schemas.execution import ExecuteRequest
 from api.schemas.job import StatusInfo
 from api.schemas.process import Process, ProcessList
 from api.services import Services, ServicesDep
+from api.subscription import read_subscriber
 from api.waiting import has_ended, wait_until
+from store.callback import Subscriber
 from store.idempotency import Reply
 from store.job import Job
 from store.workspace import WorkspaceId
@@ -58,7 +60,8 @@ async def execute_process(
     idempotency_key: IdempotencyKey = None,
 ) -> StatusInfo:
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
-    job, replayed = await run_in_threadpool(_accept, services, workspace, process_id, body, idempotency_key)
+    subscriber = read_subscriber(services, request, body.subscriber)
+    job, replayed = await run_in_threadpool(_accept, services, workspace, process_id, body, subscriber, idempotency_key)
     job = await wait_until(services, job, preferences.wait_s, has_ended)
     response.headers["Location"] = job_path(job.id)
     response.headers.update(preferences.applied())
@@ -69,7 +72,12 @@ async def execute_process(
 
 
 def _accept(
-    services: Services, workspace: WorkspaceId, process_id: str, body: ExecuteRequest, key: str | None
+    services: Services,
+    workspace: WorkspaceId,
+    process_id: str,
+    body: ExecuteRequest,
+    subscriber: Subscriber | None,
+    key: str | None,
 ) -> tuple[Job, bool]:
     """The job, and whether an earlier request with this key made it."""
     process, inputs = find_and_read(process_id, body)
@@ -86,6 +94,7 @@ def _accept(
                 stored,
                 mesh_inputs=meshes,
                 max_attempts=services.settings.max_attempts,
+                subscriber=subscriber,
                 session=session,
             )
             once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)

@@ -15,6 +15,14 @@ class OutputRequest(Document):
     transmission_mode: Literal["reference"] = Field("reference", alias="transmissionMode")
 
 
+class SubscriberRequest(Document):
+    """Whom to tell (OGC subscriber.yaml): each URI gets a signed POST with the job's statusInfo, see docs/api.md."""
+
+    success_uri: str = Field(alias="successUri", description="Told when the job is successful; https")
+    in_progress_uri: str | None = Field(None, alias="inProgressUri", description="Told when an attempt starts")
+    failed_uri: str | None = Field(None, alias="failedUri", description="Told when the job has failed")
+
+
 class ExecuteRequest(Document):
     """A request to run a process. Inputs have the schemas of the process description."""
 
@@ -22,4 +30,5 @@ class ExecuteRequest(Document):
     outputs: dict[str, OutputRequest] | None = Field(
         None, description="Names that must be among the process' outputs; all are made"
     )
+    subscriber: SubscriberRequest | None = Field(None, description="Callbacks; only where the server has a secret to sign them")
     response: Literal["document"] = Field("document", description="Results come as a document of references")
