@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from core.errors import InputError
 from core.geometry.adjacency import edges
 from core.healing.borders import find_loops
 from core.healing.bridging import join_rims
@@ -19,7 +20,7 @@ from core.healing.t_junctions import SHARE, split_sides_at_vertices
 from core.healing.winding import winding_number
 from core.mesh import Mesh
 from core.validation.surface import Surface
-from tests.solids import cube, octahedron, sphere, tetrahedron, without_faces
+from tests.solids import cube, moebius_strip, octahedron, sphere, tetrahedron, without_faces
 
 STAGES = (
     join_equal_vertices,
@@ -228,3 +229,28 @@ def test_crossings_of_some_faces_are_those_of_all() -> None:
     some = np.unique(everything)[:5]
     expected = everything[np.isin(everything, some).any(axis=1)]
     assert np.array_equal(find_crossings_of(vertices, faces, some), expected)
+
+
+def test_a_third_sheet_joins_the_seam_of_two() -> None:
+    # three half planes that meet in one line, give or take a hundredth
+    spokes = [np.array([np.cos(angle), np.sin(angle), 0.0]) for angle in (0.0, 2.0, 4.0)]
+    vertices, faces = [], []
+    for number, spoke in enumerate(spokes):
+        near, top = 0.01 * spoke, np.array([0.0, 0.0, 1.0])
+        vertices += [near, near + top, spoke + top, spoke]
+        faces += [[4 * number, 4 * number + 1, 4 * number + 2], [4 * number, 4 * number + 2, 4 * number + 3]]
+    _vertices, joined, _changes = join_cracks(np.array(vertices), np.array(faces, dtype=np.int32))
+    found = edges(joined)
+    assert sorted(np.unique(found.face_count).tolist()) == [1, 2, 3]
+    assert len(np.unique(joined)) == 8
+
+
+def test_few_faces_go_to_make_a_long_strip_two_sided() -> None:
+    strip = moebius_strip(200)
+    vertices, faces, changes = agree(strip.vertices, strip.faces)
+    assert changes[0].kind == "twists"
+    assert 0 < len(strip.faces) - len(faces) <= 4
+    assert Surface("strip", Mesh.of(vertices, faces)).consistent
+    with pytest.raises(InputError) as refusal:
+        agree(moebius_strip(8).vertices, moebius_strip(8).faces)
+    assert refusal.value.code == "heal.one_sided"
