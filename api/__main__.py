@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import signal
 import sys
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from pydantic import ValidationError
 
 from api.app import create_app
 from api.binding import require_allowed_binding
+from api.log_format import configure_logging
 from core.errors import IntegumentError
 from store.settings import Settings
 
@@ -33,7 +33,7 @@ class DrainingServer(uvicorn.Server):
 
 def main() -> int:
     """0 after a clean stop, 2 if the settings are at fault; SystemExit 3 (uvicorn's) if it cannot start."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s %(message)s")
+    configure_logging()
     try:
         settings = Settings()
         require_allowed_binding(settings)

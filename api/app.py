@@ -52,7 +52,7 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=_lifespan,
         middleware=[
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
-            Middleware(Gate, admission=services.admission, limiter=services.limiter),
+            Middleware(Gate, admission=services.admission, limiter=services.limiter, trail=services.trail),
             Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )
@@ -70,6 +70,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     services: Services = app.state.services
     await run_in_threadpool(services.db.migrate)
     await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
+    services.trail.start()
     services.nursery.start()  # loads in the background while the first requests come
     sweeping = asyncio.create_task(_sweep_uploads(services))
     try:
@@ -78,6 +79,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         sweeping.cancel()
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
+        await run_in_threadpool(services.trail.stop)
         services.doorbell.close()
         services.limiter.close()
         services.db.close()

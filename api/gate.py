@@ -9,6 +9,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from api.access import SCOPE_KEY, Access
 from api.admission import Admission
+from api.audit_trail import AuditTrail
+from api.audited import CODE_KEY, entry_of, entry_of_crash, is_act, refusal_of
 from api.body_limit import drain
 from api.needed_scope import needed_scope
 from api.problem_handlers import answer_error
@@ -18,12 +20,13 @@ from store.rate_limit import Allowance, RateLimiter
 
 
 class Gate:
-    """ASGI middleware between `api.request_context` and everything else: keys, then the rate of the key's workspace."""
+    """ASGI middleware between `api.request_context` and everything else: keys, the rate of the key's workspace, the audit log."""
 
-    def __init__(self, app: ASGIApp, admission: Admission, limiter: RateLimiter) -> None:
+    def __init__(self, app: ASGIApp, admission: Admission, limiter: RateLimiter, trail: AuditTrail) -> None:
         self.app = app
         self._admission = admission
         self._limiter = limiter
+        self._trail = trail
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or (need := needed_scope(scope["method"], scope["path"])) is None:
@@ -31,22 +34,37 @@ class Gate:
             return
         headers = Headers(scope=scope)
         allowance: Allowance | None = None
+        unnoted, scope[CODE_KEY] = is_act(scope), {}
 
         async def send_with_rate(message: Message) -> None:
             if message["type"] == "http.response.start" and allowance is not None:
                 MutableHeaders(scope=message).update(rate_headers(allowance))
             await send(message)
 
+        async def send_audited(message: Message) -> None:
+            nonlocal unnoted
+            if unnoted and message["type"] == "http.response.start":
+                unnoted = False
+                self._trail.note(entry_of(scope, message))  # before the client knows
+            await send_with_rate(message)
+
         try:
             access = scope[SCOPE_KEY] = await run_in_threadpool(self._admission.admit, headers, need)
             allowance = await run_in_threadpool(self._take, access)
             require_allowance(access, allowance)
         except IntegumentError as error:
+            key_id = error.facts.get("key")
+            self._trail.note_refusal(refusal_of(scope, error.code, str(key_id) if key_id is not None else None))
             if "expect" not in headers:  # with 100-continue nothing is on its way; else a client in mid-sending sees no answer
                 await drain(receive)
             await answer_error(Request(scope, receive), error)(scope, receive, send_with_rate)
             return
-        await self.app(scope, receive, send_with_rate)
+        try:
+            await self.app(scope, receive, send_audited)
+        except Exception:
+            if unnoted:
+                self._trail.note(entry_of_crash(scope))
+            raise
 
     def _take(self, access: Access) -> Allowance | None:
         """Whoever needs no key is alone on his machine: he is not counted."""

@@ -8,6 +8,7 @@ from http import HTTPStatus
 from starlette.requests import Request
 from starlette.responses import Response
 
+from api.audited import CODE_KEY
 from api.request_id import request_id_of
 from api.schemas.problem import Problem, Violation
 from api.violations import ViolationsError
@@ -108,7 +109,8 @@ def describe_problem(
     facts: dict[str, Fact] | None = None,
     findings: tuple[Finding, ...] = (),
 ) -> Problem:
-    """A problem from its parts; type and title follow from the code."""
+    """A problem from its parts; type and title follow from the code. The code is left for the audit log."""
+    request.scope.get(CODE_KEY, {})["code"] = code
     return Problem(
         type=OGC_TYPE_BY_CODE.get(code, f"urn:integument:problem:{code}"),
         title=code.replace(".", " ").replace("_", " ").capitalize(),

@@ -10,10 +10,12 @@ import anyio
 from fastapi import Depends, Request
 
 from api.admission import Admission
+from api.audit_trail import AuditTrail
 from api.drain import Drain
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
 from store.api_keys import ApiKeys
+from store.audit import Audit
 from store.backlog import Backlog
 from store.blobs import Blobs
 from store.callbacks import Callbacks
@@ -58,6 +60,7 @@ class Services:
     streams: StreamSlots
     admission: Admission
     limiter: RateLimiter
+    trail: AuditTrail
     drain: Drain
 
     @property
@@ -94,6 +97,7 @@ def make_services(settings: Settings) -> Services:
         nursery=Nursery(preload=INTAKE_MODULES),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
+        trail=AuditTrail(Audit(db)),
         limiter=RateLimiter(settings.broker_url, settings.rate_per_s, settings.rate_burst),
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=Drain(),

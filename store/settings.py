@@ -168,6 +168,7 @@ class Settings(BaseSettings):
         (), description="Host names, addresses and networks callbacks may go to besides the public internet, also by http"
     )
     event_poll_s: Seconds = Field(0.25, description="How often an event stream looks for new events")
+    audit_days: float = Field(365.0, gt=0, allow_inf_nan=False, description="How long the audit log is kept")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")
 
     @model_validator(mode="after")

@@ -56,6 +56,8 @@ class Reconciler:
         referenced = self._workshop.references.all()
         if swept := self._workshop.blobs.sweep(referenced, BLOB_GRACE_S):
             logger.info("removed %d unused blobs, %d bytes", len(swept), sum(blob.size for blob in swept))
+        if aged := self._workshop.audit.sweep(self._workshop.settings.audit_days):
+            logger.info("forgot %d entries of the audit log", aged)
         if forgotten := self._workshop.keys.sweep():
             logger.info("forgot %d idempotency keys", forgotten)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from sandbox.limits import Limits
 from sandbox.nursery import Nursery
+from store.audit import Audit
 from store.blobs import Blobs
 from store.callbacks import Callbacks
 from store.database import Database
@@ -34,6 +35,7 @@ class Workshop:
     blobs: Blobs
     references: References
     keys: IdempotencyKeys
+    audit: Audit
     doorbell: Doorbell
     nursery: Nursery
     closing: Closing
@@ -51,6 +53,7 @@ class Workshop:
             callbacks=Callbacks(db),
             blobs=open_blobs(settings, db),
             references=References(db),
+            audit=Audit(db),
             keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),
             nursery=Nursery((target.partition(":")[0],) if preload is None else preload),

@@ -11,12 +11,12 @@ from types import ModuleType
 from pydantic import ValidationError
 
 from core.errors import InputError, IntegumentError, StateError
-from server.admin import keys, workspaces
+from server.admin import audit, keys, workspaces
 from server.admin.desk import Desk
 from store.database import Database
 from store.settings import Settings
 
-GROUPS: tuple[ModuleType, ...] = (keys, workspaces)
+GROUPS: tuple[ModuleType, ...] = (keys, workspaces, audit)
 """Each has `register(groups)`, which adds its commands; `run(desk, options)` is what one does."""
 
 DESCRIPTION = """\

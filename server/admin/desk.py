@@ -7,12 +7,14 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
+from store.audit import DONE, Audit, AuditEntry
 from store.database import Database
 from store.quotas import Quotas
 from store.settings import Settings
+from store.workspace import WorkspaceId
 
 Document = Mapping[str, Any]
 
@@ -37,6 +39,10 @@ class Desk:
             return f"admin:{getpass.getuser()}"
         except (KeyError, OSError):  # a user of a container may have a number only
             return "admin"
+
+    def note_act(self, action: str, subject: str, workspace: WorkspaceId, key_id: str | None = None) -> None:
+        """For the audit log, once it is done."""
+        Audit(self.db).write([AuditEntry(datetime.now(UTC), self.actor, key_id, workspace, action, subject, DONE)])
 
     def show(self, document: Document) -> None:
         """One thing, a line per fact."""

@@ -48,7 +48,9 @@ def _create(desk: Desk, options: Namespace) -> None:
     scopes = [Scope(name) for name in options.scope or USUAL_SCOPES]
     keys = ApiKeys(desk.db)
     is_first = not keys.any()
-    _show_issued(desk, keys.create(WorkspaceId(options.workspace), options.name, scopes, options.days))
+    issued = keys.create(WorkspaceId(options.workspace), options.name, scopes, options.days)
+    desk.note_act("keys create", issued.key.id, issued.key.workspace)
+    _show_issued(desk, issued)
     if is_first:
         desk.note("It is the first one: from now on every request needs a key, on loopback too.")
 
@@ -59,11 +61,15 @@ def _list(desk: Desk, options: Namespace) -> None:
 
 
 def _rotate(desk: Desk, options: Namespace) -> None:
-    _show_issued(desk, ApiKeys(desk.db).rotate(options.id, options.overlap_days))
+    issued = ApiKeys(desk.db).rotate(options.id, options.overlap_days)
+    desk.note_act("keys rotate", f"{options.id} to {issued.key.id}", issued.key.workspace)
+    _show_issued(desk, issued)
 
 
 def _revoke(desk: Desk, options: Namespace) -> None:
-    desk.show(_describe(ApiKeys(desk.db).revoke(options.id)))
+    revoked = ApiKeys(desk.db).revoke(options.id)
+    desk.note_act("keys revoke", revoked.id, revoked.workspace)
+    desk.show(_describe(revoked))
 
 
 def _show_issued(desk: Desk, issued: IssuedKey) -> None:

@@ -31,6 +31,7 @@ def register(groups: Subparsers) -> None:
 
 def _create(desk: Desk, options: Namespace) -> None:
     made = Workspaces(desk.db).create(options.name, quota_bytes=options.quota_bytes, quota_jobs=options.quota_jobs)
+    desk.note_act("workspaces create", made.id, made.id)
     desk.show(_describe(desk, made))
 
 
