@@ -43,7 +43,8 @@ def warm_up() -> None:
     # no face of a cube is poor, so the kernels that mend poor ones are called by name
     sheet = Sheet.copy_of(cube.vertices, cube.faces)
     everything = Remedy(flip_below=2.0, collapse_below=2.0)
-    reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything)
+    innate = np.full(len(cube.vertices), 2.0)
+    reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything, innate)
     pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
     create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
     for method in ("wcc", "taubin"):
