@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from integument.cli import main
 
 from core.geometry.exact_intersection import find_intersecting_faces
 from core.mesh import Mesh
 from subjects.body import body
 from subjects.defects import CORPUS
 from tests.acceptance.conftest import MainJob
-from tests.acceptance.service import Service, read_stl, unpack_shells
+from tests.acceptance.service import Service, binary_stl, read_stl, unpack_shells
+from tests.embedded import Embedded
 from tests.solids import sphere, together, without_faces
 
 DEFECTIVE = "body, faces missing + triangle soup"
@@ -172,3 +175,21 @@ def test_a_target_below_topology_gives_what_topology_allows(service: Service) ->
     told = service.report(job)
     assert 4 <= told["meshes"]["mesh"]["faces"] < 4000
     assert any(finding["code"].startswith("decimate.") for finding in told["findings"])
+
+
+def test_the_command_line_thins_a_body_and_a_package_on_disk(
+    server: Embedded, main_job: MainJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("INTEGUMENT_URL", server.url)
+    (tmp_path / "skin.stl").write_bytes(binary_stl(body(0)))
+    (tmp_path / "package.zip").write_bytes(main_job.package)
+    thin, report = tmp_path / "out.stl", tmp_path / "report.html"
+    assert main(["decimate", str(tmp_path / "skin.stl"), "--ratio", "0.25", "-o", str(thin), "--report", str(report)]) == 0
+    assert "26,756 → 6," in capsys.readouterr().out
+    assert len(read_stl(thin.read_bytes()).faces) <= 6_689
+    assert "Before and after" in report.read_text(encoding="utf-8")
+    healed = tmp_path / "healed.zip"
+    assert main(["heal", str(tmp_path / "package.zip"), "-o", str(healed)]) == 0
+    shells = unpack_shells(healed.read_bytes())
+    assert set(shells) == set(main_job.shells)
+    assert all(np.array_equal(mesh.triangles(), main_job.shells[name].triangles()) for name, mesh in shells.items())
