@@ -20,7 +20,7 @@ for module in [m for n, m in sys.modules.items() if n.startswith(packages)]:
 
 def test_kernels_are_warm():
     done = subprocess.run([sys.executable, "-c", LIST_COLD], capture_output=True, text=True, check=True)
-    for kernel in ("_smooth", "_shift", "_shrink", "_spread", "_mark_own", "_mark_near", "choose_flips", "choose_collapses"):
+    for kernel in ("_search", "_shift", "_shrink", "_spread", "_mark_own", "_mark_near", "choose_flips", "choose_collapses"):
         assert kernel in done.stdout
     for kernel in ("decimation.thin thin", "decimation.literal _run", "decimation.smooth_near smooth_dirty"):
         assert kernel in done.stdout
