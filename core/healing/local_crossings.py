@@ -27,9 +27,13 @@ def find_crossings_of(vertices: Vertices, faces: Faces, chosen: Ints) -> Ints:
     return found
 
 
-def find_near(vertices: Vertices, faces: Faces, chosen: Ints, margin_mm: float = 0.0) -> NDArray[np.bool_]:
-    """Faces whose boxes meet that of one of the `chosen` (K,), widened by a margin; the chosen themselves too. (F,)."""
-    tree = FaceTree.of(vertices, faces)
+def find_near(
+    vertices: Vertices, faces: Faces, chosen: Ints, margin_mm: float = 0.0, tree: FaceTree | None = None
+) -> NDArray[np.bool_]:
+    """Faces whose boxes meet that of one of the `chosen` (K,), widened by a margin; the chosen themselves too. (F,).
+
+    tree: of the surface, if there is one already; it may be one that has moved by less than the margin since."""
+    tree = FaceTree.of(vertices, faces) if tree is None else tree
     corners = vertices[faces[chosen]]
     asked = np.concatenate((corners.min(axis=1) - margin_mm, corners.max(axis=1) + margin_mm), axis=1)
     found = np.zeros(len(faces), dtype=np.bool_)

@@ -84,9 +84,12 @@ def _unfold_all(
     vertices: Vertices, faces: Faces, folds: list[Cluster], inverted: Flags, pairs: Ints
 ) -> tuple[Vertices, Change | None]:
     """Smooth out what can be; no change if nothing can. Faces around vertices that were out of place count as replaced."""
+    if not folds:
+        return vertices, None
     before, points, distances, replaced = vertices, [], [], np.zeros(len(faces), dtype=np.bool_)
+    tree = FaceTree.of(vertices, faces)
     for cluster in folds:
-        mended = unfold(vertices, faces, cluster.faces, inverted, pairs)
+        mended = unfold(vertices, faces, cluster.faces, inverted, pairs, tree)
         if mended is None:
             continue
         rows = np.flatnonzero((mended[0] != vertices).any(axis=1))

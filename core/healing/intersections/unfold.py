@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from core.geometry.adjacency import edges, vertex_neighbours
 from core.geometry.degenerate import find_degenerate_faces
 from core.geometry.exact_intersection import find_intersecting_faces
+from core.geometry.face_tree import FaceTree
 from core.geometry.normals import normalised, vertex_normals
 from core.healing.intersections.relax import relax
 from core.healing.local_crossings import find_near
@@ -68,15 +69,19 @@ class Neighbourhood:
         return flags & ~self.fixed
 
 
-def unfold(vertices: Vertices, faces: Faces, cluster: Ints, inverted: Flags, pairs: Ints) -> tuple[Vertices, Ints] | None:
+def unfold(
+    vertices: Vertices, faces: Faces, cluster: Ints, inverted: Flags, pairs: Ints, tree: FaceTree
+) -> tuple[Vertices, Ints] | None:
     """Move vertices around a cluster (K,) of intersecting faces until none of its faces intersects another.
 
-    inverted: (F,). pairs: all that intersect. Returns all vertices, those outside of the patch as they were, and the numbers
-    of those that were out of place by themselves; or None.
+    inverted: (F,). pairs: all that intersect. tree: of the surface, or of it before other clusters were mended. Returns all
+    vertices, those outside of the patch as they were, and the numbers of those that were out of place by themselves; or None.
     First vertices that are out of place by themselves are put back; if that does not suffice, whatever moves the least of
     gentle smoothing, swelling of walls that were pushed through each other, and a new smooth patch.
     """
-    near = np.flatnonzero(find_near(vertices, faces, cluster, _margin(vertices, faces, cluster)))
+    close = find_near(vertices, faces, cluster, _margin(vertices, faces, cluster), tree)
+    close[cluster] = True
+    near = np.flatnonzero(close)
     used, corners = np.unique(faces[near], return_inverse=True)
     local = corners.reshape(-1, 3).astype(np.int32)
     number = np.full(len(faces), -1, dtype=np.int64)
