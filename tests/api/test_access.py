@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tempfile
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import timedelta
@@ -156,7 +157,8 @@ def test_what_is_foreign_is_as_if_it_were_not_there(lab: Lab, method: str, path:
     statements: list[list[str]] = []
 
     def note(_connection: Connection, _cursor: object, statement: str, *_: object) -> None:
-        statements[-1].append(statement)
+        if threading.current_thread().name != "audit":  # what is written of earlier requests
+            statements[-1].append(statement)
 
     answers = []
     engine = lab.live.services.db.engine
@@ -173,7 +175,7 @@ def test_what_is_foreign_is_as_if_it_were_not_there(lab: Lab, method: str, path:
             told = response.text
             for known in (lab.mesh, lab.job, lab.waiting, lab.upload, response.headers["x-request-id"]):
                 told = told.replace(known, MISSING)
-            drop = {"x-request-id", "date"}
+            drop = {"x-request-id", "date", "ratelimit"}  # the last counts all requests
             headers = {name: value for name, value in response.headers.items() if name not in drop}
             answers.append((response.status_code, told, headers))
     finally:
