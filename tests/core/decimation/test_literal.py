@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from core.decimation.decimate import decimate
 from core.decimation.literal import collapse_literally
 from core.mesh import Mesh
