@@ -31,7 +31,25 @@ def part_edges(vertices: Vertices, faces: Faces) -> Staged:
         vertices, faces, split = split_fans(vertices, faces, _paired_fans(vertices, faces, found), "shared_edges", what, ends)
         vertices, faces, bent = _bend_edges(vertices, faces)
         changes += split + bent
+        faces, odd = _without_odd_faces(vertices, faces)
+        changes += odd
     return vertices, faces, changes
+
+
+def _without_odd_faces(vertices: Vertices, faces: Faces) -> tuple[Faces, list[Change]]:
+    """Faces that have no partner at an edge which others share, and could not be parted from it, leave a hole."""
+    found = edges(faces)
+    crowded = found.face_count > 2
+    if not crowded.any():
+        return faces, []
+    at_crowded = np.flatnonzero(crowded[found.of_face.ravel()])
+    odd = np.unique(np.setdiff1d(at_crowded, _pairs_at_crowded_edges(vertices, faces, found)) // 3)
+    if len(odd) == 0:
+        return faces, []
+    triangles = vertices[faces[odd]]
+    points = triangles.mean(axis=1)
+    message = f"{len(odd)} faces without a partner at an edge that others share were taken out"
+    return np.delete(faces, odd, axis=0), [Change("odd_faces", message, points, np.zeros(len(points)), taken=triangles)]
 
 
 def _paired_fans(vertices: Vertices, faces: Faces, found: Edges) -> Ints:

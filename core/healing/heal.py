@@ -114,8 +114,9 @@ class _Draft:
         self._join(inputs.weld_tolerance_mm)
         self._apply(agree_within_sheets)
         self._apply(mend_nonmanifold_edges)
-        self._join(inputs.weld_tolerance_mm)
-        self._apply(agree)
+        # no cracks here: what was parted would be joined again
+        for stage in (drop_flat_faces, drop_doubled_faces, agree):
+            self._apply(stage)
         self._apply(partial(drop_scraps, policy=inputs.pieces))
         if measure_volume:
             volumes = np.abs(piece_volumes(self.vertices, self.faces))
