@@ -9,7 +9,7 @@ EVENTS = {"jobSuccessful": "successUri", "jobInProgress": "inProgressUri", "jobF
 HEADERS = {
     "webhook-id": "Of the message; the same in every attempt, so that what comes twice can be told",
     "webhook-timestamp": "Seconds since 1970 at this attempt; refuse what is older than five minutes",
-    "webhook-signature": "`v1,` and the base64 HMAC-SHA256 of `id.timestamp.body`; several, separated by spaces, while secrets change",
+    "webhook-signature": "`v1,` and the base64 HMAC-SHA256 of `id.timestamp.body`; several behind spaces while secrets change",
 }
 
 

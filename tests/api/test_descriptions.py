@@ -51,7 +51,7 @@ def test_the_landing_page_leads_everywhere(api: Live) -> None:
 
 def test_only_what_is_there_is_claimed(api: Live) -> None:
     claimed = {uri.rpartition("/")[2] for uri in api.client.get("/v1/conformance").json()["conformsTo"]}
-    assert claimed == {"core", "ogc-process-description", "json", "job-list", "dismiss", "oas30"}
+    assert claimed == {"core", "ogc-process-description", "json", "job-list", "dismiss", "callback", "oas30"}
 
 
 def test_the_catalogue_leads_to_descriptions_and_executions(api: Live) -> None:
