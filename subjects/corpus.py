@@ -138,6 +138,6 @@ GENERATED = (
     Subject("staircase egg", lambda: voxels.staircase_ellipsoid(45, 30, 20, 1.5)),
     Subject("gyroid sponge, level on grid points", lambda: voxels.gyroid_ball(30, 24, 1.0), "skin.degenerate", cost="quick"),
     Subject("gyroid sponge", lambda: voxels.gyroid_ball(30, 25.3, 1.13), depths_mm=EAR, or_else="shells.no_room"),
-    Subject("merged droplets", lambda: voxels.blobs(6, 60, 2.0), or_else="shells.no_room"),  # faces down to q = 1e-5
+    Subject("merged droplets", lambda: voxels.blobs(6, 60, 2.0)),  # faces down to q = 1e-5
 )
 CORPUS = (*BODIES, *HEADS, *GENERATED)

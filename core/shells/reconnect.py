@@ -70,6 +70,27 @@ def reconnect(
     return sheet, surface, sum(result[2] for result in (flipped, collapsed) if result is not None)
 
 
+def without_slivers(sheet: Sheet, below: float, rounds: int) -> Sheet:
+    """The sheet with faces of q below `below` flipped or collapsed away as far as that goes; clearance is the caller's business.
+
+    Keeps closed manifold and genus, turns no face over, lowers no quality.
+    """
+    for _ in range(rounds):
+        shape = quality(sheet.vertices, sheet.net.faces)
+        slivers = np.flatnonzero(shape < below)
+        if len(slivers) == 0:
+            break
+        change = _collapse(sheet, edges := shortest_sides(sheet, slivers), np.ones(len(edges), dtype=np.bool_), strict=True)
+        sheet = sheet if change is None else change.sheet
+        slivers = np.flatnonzero(quality(sheet.vertices, sheet.net.faces) < below)
+        begins = (np.argmax(side_lengths(sheet.vertices, sheet.net.faces[slivers]), axis=1) + 1) % 3
+        flipped = _flip(sheet, slivers, begins, np.ones(len(slivers), dtype=np.bool_))
+        sheet = sheet if flipped is None else flipped.sheet
+        if change is None and flipped is None:
+            break
+    return sheet
+
+
 def collapse_edges(sheet: Sheet, edges: Ints) -> tuple[Sheet, Ints]:
     """Collapse as many of the edges (E, 2) as may be at once, to their middles, in the order given.
 

@@ -13,7 +13,7 @@ from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.shells.advance import Surroundings, mend
 from core.shells.inward_shift import inward_shift
-from core.shells.reconnect import collapse_edges, shortest_sides
+from core.shells.reconnect import collapse_edges, shortest_sides, without_slivers
 from core.shells.sheet import Sheet
 
 Floats = NDArray[np.float64]
@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
 ATTEMPTS = 60
+SLIVER_QUALITY = 0.05  # a layer does not copy faces of the skin below this q
+SLIVER_ROUNDS = 10
 PATIENCE = 20  # attempts after which edges are collapsed also where pushing harder has not helped
 
 
@@ -46,7 +48,8 @@ def _next_sheet(skin: Mesh, tree: FaceTree, outer: Sheet, name: str, gap_mm: flo
     outside = Clearance(gap_mm, own_mm, (FaceTree.of(outer.vertices, outer.net.faces),))
     alone = Clearance(gap_mm, own_mm, ())
     push = np.full(len(skin.vertices), FIRST_PUSH * gap_mm)  # by skin vertex: it survives collapses
-    sheet, shift = outer, inward_shift(outer.vertices, outer.net.faces, outer.net.faces_around)
+    sheet = without_slivers(outer, SLIVER_QUALITY, SLIVER_ROUNDS)
+    shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
     placed = _pushed(sheet, push, shift)
     surface = MovingSurface(placed.vertices, placed.net.faces)
     asked = np.arange(len(placed.net.faces))
