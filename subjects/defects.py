@@ -151,7 +151,7 @@ STEPPED = (
     Defective(
         "egg of voxels", ("staircase",), lambda: voxels.staircase_ellipsoid(45, 30, 20, 1.5), _egg, 1.2, options=SMOOTH_STEPS
     ),
-    Defective("hand of voxels", ("staircase",), lambda: stepped(HAND.mesh(), 3.0), HAND.mesh, 3.6, options=SMOOTH_STEPS),
+    Defective("hand of voxels", ("staircase",), lambda: stepped(HAND.mesh(), 3.0), HAND.mesh, 4.5, options=SMOOTH_STEPS),
 )
 TWINS = (
     Defective(
