@@ -62,8 +62,9 @@ class Receivers:
             raise _refused(host)
 
     def _is_allowed(self, address: Address) -> bool:
-        form = address.ipv4_mapped or address if isinstance(address, IPv6Address) else address
-        return any(form in network for network in self._networks if network.version == form.version)
+        mapped = address.ipv4_mapped if isinstance(address, IPv6Address) else None
+        forms = (address,) if mapped is None else (address, mapped)
+        return any(form in network for form in forms for network in self._networks if network.version == form.version)
 
 
 def host_of(uri: str) -> str:

@@ -70,7 +70,7 @@ class CallbackSender:
         except InputError as error:
             return Answer(None, error.message)
         except httpcore.TimeoutException:
-            return Answer(None, f"no answer within {self._timeout_s:.0f} s")
+            return Answer(None, f"no answer within {self._timeout_s:g} s")
         except (httpcore.NetworkError, httpcore.ProtocolError, httpcore.UnsupportedProtocol) as error:
             return Answer(None, f"{type(error).__name__}: {error}"[:200])
         return Answer(status, f"answered {status}")

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from store.local_blobs import LocalBlobs
 from store.database import Database
 from store.doorbell import Doorbell
 from store.events import Events
 from store.job import Job
 from store.jobs import Jobs
+from store.local_blobs import LocalBlobs
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.valkey import ValkeyServer
