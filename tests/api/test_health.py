@@ -66,4 +66,5 @@ def test_metrics_count_the_table(tmp_path: Path) -> None:
         assert told['integument_jobs{process="shells",status="failed"}'] == "0"
         assert 0 < float(told["integument_oldest_waiting_seconds"]) < 60
         assert told["integument_event_streams"] == "1"
+        assert told['integument_callbacks{state="dead"}'] == "0"
         assert response.text.count("# TYPE") == len({name.partition("{")[0] for name in told})
