@@ -15,6 +15,7 @@ from api.request_id import HEADER, choose_request_id
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 ANY_HOST = "*"
+_HARMLESS = frozenset({"GET", "HEAD", "OPTIONS"})
 _HOST = re.compile(r"(?P<name>\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:\d{1,5})?")
 
 SECURITY_HEADERS = {
@@ -30,7 +31,8 @@ SECURITY_HEADERS = {
 class RequestContext:
     """ASGI middleware around the whole application.
 
-    The Host check stops web pages that rebind their DNS name to this machine: a browser sends their name, not ours."""
+    The Origin check stops pages of other servers that post a form here: a browser tells whose page it was, other clients tell
+    nothing. The Host check stops web pages that rebind their DNS name to this machine: a browser sends their name, not ours."""
 
     def __init__(self, app: ASGIApp, allowed_hosts: Iterable[str]) -> None:
         self.app = app
@@ -58,6 +60,9 @@ class RequestContext:
         if not self._is_allowed(headers.getlist("host")):
             await self._refuse(request)(scope, receive, send_with_headers)
             return
+        if scope["method"] not in _HARMLESS and not _is_ours(headers):
+            await self._refuse_origin(request)(scope, receive, send_with_headers)
+            return
         try:
             await self.app(scope, receive, send_with_headers)
         except Exception as error:
@@ -71,6 +76,17 @@ class RequestContext:
         match = _HOST.fullmatch(hosts[0]) if len(hosts) == 1 else None
         return match is not None and match["name"].lower() in self.allowed_hosts
 
+    def _refuse_origin(self, request: Request) -> ASGIApp:
+        sent = request.headers.get("origin", "none")
+        return problem_response(
+            describe_problem(
+                request,
+                code="request.origin_refused",
+                status=403,
+                detail=f"A page of {sent[:100]!r} sent this request; pages of other servers may not act on this one",
+            )
+        )
+
     def _refuse(self, request: Request) -> ASGIApp:
         sent = request.headers.get("host", "none")
         return problem_response(
@@ -81,3 +97,9 @@ class RequestContext:
                 detail=f"This server does not answer to the host name {sent[:100]!r}; allow it with INTEGUMENT_ALLOWED_HOSTS",
             )
         )
+
+
+def _is_ours(headers: Headers) -> bool:
+    """True unless a browser says that the page of another server, or of none (`null`), is behind the request."""
+    origin = headers.get("origin")
+    return origin is None or origin.partition("://")[2].lower() == headers["host"].lower()

@@ -287,6 +287,16 @@ def test_a_server_may_ask_for_keys_from_the_start(tmp_path: Path, shared_valkey:
         assert live.client.get("/healthz").status_code == 200
 
 
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://localhost", ""])
+def test_a_page_of_another_server_cannot_act(api: Live, origin: str) -> None:
+    """Without keys nothing else would stop a form that posts to 127.0.0.1."""
+    sent = {"files": {"file": ("skin.stl", binary_stl())}, "headers": {"Origin": origin}}
+    problem_of(api.client.post("/v1/meshes", **sent), 403, "request.origin_refused")  # type: ignore[arg-type]
+    assert api.client.get("/v1/meshes", headers={"Origin": origin}).status_code == 200
+    own = {"Origin": api.url}
+    assert api.client.post("/v1/meshes", files={"file": ("skin.stl", binary_stl())}, headers=own).status_code == 201
+
+
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example:80", "[::1", "a b", ""])
 def test_a_rebound_name_gets_nothing_even_with_a_key(lab: Lab, host: str) -> None:
     headers = {"Host": host, "Authorization": f"Bearer {lab.keys['owner']}"}
