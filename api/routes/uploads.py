@@ -74,7 +74,7 @@ _CREATE: dict[str, Any] = {
 }
 
 
-@router.options("", operation_id="describeUploads", status_code=204)
+@router.options("", operation_id="describeUploads", status_code=204, responses=problems())
 def describe_uploads(services: ServicesDep) -> Response:
     """What this server knows of tus."""
     return Response(

@@ -15,6 +15,7 @@ from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
 
+TUS = {"Tus-Resumable": "1.0.0", "Upload-Offset": "0"}
 METHODS = ("GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 
 
@@ -53,12 +54,13 @@ def test_things_that_are_not_there_are_problems_as_declared(api: Live, paths: di
         if "{" not in path:
             continue
         for method, operation in operations.items():
-            response = api.client.request(method, filled(path, "nonsense"), json={"inputs": {}})
+            body = {"json": {"inputs": {}}} if method == "post" and not path.startswith("/v1/uploads") else {}
+            response = api.client.request(method, filled(path, "nonsense"), headers=TUS, **body)
             problem = problem_of(response, 404, response.json()["code"])
-            assert problem["code"] in ("job.not_found", "mesh.not_found", "process.not_found")
+            assert problem["code"] in ("job.not_found", "mesh.not_found", "process.not_found", "upload.not_found")
             assert "404" in operation["responses"]
             asked += 1
-    assert asked == 12
+    assert asked == 18
 
 
 def test_every_problem_is_declared_as_one(paths: dict[str, dict[str, Any]]) -> None:
