@@ -16,12 +16,11 @@ from subjects.trial import READY
 
 QUICK = [entry for entry in CORPUS if entry.quick]
 LONG = [entry for entry in CORPUS if not entry.quick]
-REFUSED = {"head, inner wall + cracks of 0.05 mm": "heal.one_sided"}  # known, and told
 
 
 def check(entry: Defective) -> None:
     trial = attempt_healing(entry)
-    assert trial.outcome == REFUSED.get(entry.name, READY), trial
+    assert trial.outcome == READY, trial
 
 
 @pytest.mark.parametrize("entry", QUICK, ids=lambda entry: entry.name)
@@ -44,7 +43,6 @@ def test_corpus_is_as_wide_as_asked() -> None:
     for subject in ("body", "head", "hand", "ball"):
         assert sum(entry.name.startswith(f"{subject}, ") for entry in CORPUS) >= 30
     assert sum(len(entry.classes) > 1 for entry in CORPUS) >= 25
-    assert len(REFUSED) <= 0.05 * len(CORPUS)
 
 
 def test_entries_come_out_alike() -> None:
