@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.geometry.clearance import Clearance, MovingSurface
 from core.geometry.connectivity import Connectivity
+from core.geometry.normals import face_areas
 from core.geometry.quality import quality, side_lengths
 from core.shells.edge_choice import choose_collapses, choose_flips
 from core.shells.innate_quality import find_poor
@@ -70,25 +71,33 @@ def reconnect(
     return sheet, surface, sum(result[2] for result in (flipped, collapsed) if result is not None)
 
 
-def without_slivers(sheet: Sheet, below: float, rounds: int) -> Sheet:
-    """The sheet with faces of q below `below` flipped or collapsed away as far as that goes; clearance is the caller's business.
+def without_slivers(sheet: Sheet, below: float, height_mm: float, rounds: int) -> Sheet:
+    """The sheet with its slivers flipped or collapsed away as far as that goes; clearance is the caller's business.
 
+    A sliver has a q below `below` and is lower than `height_mm`: what is long and thin by design, the rim of a plate say, stays.
     Keeps closed manifold and genus, turns no face over, lowers no quality.
     """
     for _ in range(rounds):
-        shape = quality(sheet.vertices, sheet.net.faces)
-        slivers = np.flatnonzero(shape < below)
+        slivers = _find_slivers(sheet, below, height_mm)
         if len(slivers) == 0:
             break
         change = _collapse(sheet, edges := shortest_sides(sheet, slivers), np.ones(len(edges), dtype=np.bool_), strict=True)
         sheet = sheet if change is None else change.sheet
-        slivers = np.flatnonzero(quality(sheet.vertices, sheet.net.faces) < below)
+        slivers = _find_slivers(sheet, below, height_mm)
         begins = (np.argmax(side_lengths(sheet.vertices, sheet.net.faces[slivers]), axis=1) + 1) % 3
         flipped = _flip(sheet, slivers, begins, np.ones(len(slivers), dtype=np.bool_))
         sheet = sheet if flipped is None else flipped.sheet
         if change is None and flipped is None:
             break
     return sheet
+
+
+def _find_slivers(sheet: Sheet, below: float, height_mm: float) -> Ints:
+    faces = np.flatnonzero(quality(sheet.vertices, sheet.net.faces) < below)
+    longest = side_lengths(sheet.vertices, sheet.net.faces[faces]).max(axis=1)
+    heights = 2.0 * face_areas(sheet.vertices, sheet.net.faces[faces]) / np.maximum(longest, 1e-300)
+    found: Ints = faces[heights < height_mm]
+    return found
 
 
 def collapse_edges(sheet: Sheet, edges: Ints) -> tuple[Sheet, Ints]:

@@ -22,6 +22,7 @@ FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
 ATTEMPTS = 60
 SLIVER_QUALITY = 0.05  # a layer does not copy faces of the skin below this q
+SLIVER_HEIGHT_MM = 0.1  # ... and lower than that
 SLIVER_ROUNDS = 10
 PATIENCE = 20  # attempts after which edges are collapsed also where pushing harder has not helped
 
@@ -48,7 +49,7 @@ def _next_sheet(skin: Mesh, tree: FaceTree, outer: Sheet, name: str, gap_mm: flo
     outside = Clearance(gap_mm, own_mm, (FaceTree.of(outer.vertices, outer.net.faces),))
     alone = Clearance(gap_mm, own_mm, ())
     push = np.full(len(skin.vertices), FIRST_PUSH * gap_mm)  # by skin vertex: it survives collapses
-    sheet = without_slivers(outer, SLIVER_QUALITY, SLIVER_ROUNDS)
+    sheet = without_slivers(outer, SLIVER_QUALITY, SLIVER_HEIGHT_MM, SLIVER_ROUNDS)
     shift = inward_shift(sheet.vertices, sheet.net.faces, sheet.net.faces_around)
     placed = _pushed(sheet, push, shift)
     surface = MovingSurface(placed.vertices, placed.net.faces)

@@ -110,7 +110,7 @@ def test_less_of_the_bodys_ears_is_limited_the_further_the_skin_may_move() -> No
         shells = create_shells(widened.mesh, inputs)
         prove(widened.mesh, shells, 0.05)
         limited.append(sum(limited_area(shells, ear.low - bound, ear.high + bound) for ear in ears))
-    assert limited[1] < 0.8 * limited[0]
+    assert limited[1] < 0.9 * limited[0]
     changes, findings = describe_move(widened, 3.0)
     (change,), (finding,) = changes, findings
     assert 0 < change["mean_mm"] < change["largest_mm"] <= 3.0
