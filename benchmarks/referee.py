@@ -18,8 +18,8 @@ from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_areas, vertex_normals
 from core.io.registry import read_meshes
 from core.mesh import Mesh
-from core.shells.room import ON_TARGET
 from core.shells.reach import measure_reach
+from core.shells.room import ON_TARGET
 from core.validation.measure import measure_surface
 from core.validation.surface import Surface
 
