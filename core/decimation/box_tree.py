@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from core.decimation.kernel import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Int32s = NDArray[np.int32]
 
-FACES_PER_LEAF = 4
+FACES_PER_LEAF = 8
 STACK = 64  # a binary tree over 2^31 faces is not deeper
 BITS = 21  # of each coordinate in the curve's number
 
@@ -48,7 +49,7 @@ def box_tree(points: Floats, faces: Int32s) -> Floats:
     return boxes
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fit_boxes(points: Floats, ids: Int32s, boxes: Floats) -> None:
     """Boxes of all nodes as tight as can be; faces that are gone have negative ids."""
     leaves = (len(boxes) + 1) // 2
@@ -69,7 +70,7 @@ def fit_boxes(points: Floats, ids: Int32s, boxes: Floats) -> None:
             boxes[node, axis + 3] = max(boxes[2 * node + 1, axis + 3], boxes[2 * node + 2, axis + 3])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def widen(points: Floats, ids: Int32s, boxes: Floats, face: int) -> None:
     """Make the boxes above a face hold it; stops at the first that does already."""
     a, b, c = ids[3 * face], ids[3 * face + 1], ids[3 * face + 2]
@@ -91,7 +92,7 @@ def widen(points: Floats, ids: Int32s, boxes: Floats, face: int) -> None:
         node = (node - 1) // 2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_in_box(points: Floats, ids: Int32s, boxes: Floats, box: Floats, stack: Ints, found: Ints) -> int:
     """Faces whose boxes meet box (6,), into found; returns how many, or -1 if found is too short. stack: (STACK,) scratch."""
     leaves, faces, count = (len(boxes) + 1) // 2, len(ids) // 3, 0

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from core.decimation.box_tree import widen
+from core.decimation.kernel import kernel
 from core.decimation.nearness import Nearness, stays_near
 from core.decimation.placement import place
-from core.decimation.room import BLOCK, Obstacles, RoomScratch, has_room
+from core.decimation.room import Obstacles, RoomScratch, has_room
 from core.decimation.star import following, gather_star, preceding
 from core.decimation.state import GONE, State
 from core.decimation.triangle import triangle
@@ -65,7 +65,7 @@ class Scratch(NamedTuple):
         )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, nearness: Nearness, scratch: Scratch) -> int:
     """Collapse the side opposite corner `side`. Returns DONE or why not.
 
@@ -132,7 +132,7 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
     points[a, 0], points[a, 1], points[a, 2] = x, y, z
     reason = DONE
     if not has_room(
-        points, ids, state.normals, state.boxes, state.calm, first // BLOCK, obstacles,
+        points, ids, state.normals, state.boxes, obstacles,
         guards.own_mm, guards.thorough, token, scratch.face_stamp,
         a, count, scratch.rim, scratch.normals, scratch.room,
     ):  # fmt: skip
@@ -160,7 +160,7 @@ def collapse(state: State, side: int, guards: Guards, obstacles: Obstacles, near
     return DONE
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _region_allows(label: Int32s, room: Ints, first: int, second: int) -> bool:
     """May both faces go?"""
     if label[first] == label[second]:
@@ -170,7 +170,7 @@ def _region_allows(label: Int32s, room: Ints, first: int, second: int) -> bool:
     return both
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _link_holds(ids: Int32s, opposite: Int32s, side: int, count_a: int, count_b: int, scratch: Scratch) -> bool:
     """True if the ends have only the two tips as common neighbours, and the tips can spare a face."""
     if count_a < 0 or count_b < 0:
@@ -197,7 +197,7 @@ def _link_holds(ids: Int32s, opposite: Int32s, side: int, count_a: int, count_b:
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _join(state: State, side: int, count_b: int, scratch: Scratch) -> None:
     """Take the two faces at the side out, and give the corners of the second end to the first."""
     ids, opposite, corner_of = state.ids, state.opposite, state.corner_of

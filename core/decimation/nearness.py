@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from core.decimation.kernel import kernel
 from core.geometry.triangle_distance import closest_on_triangle
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ ANYWHERE = Nearness(
 )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def stays_near(points: Floats, next_member: Int32s, a: int, b: int, count: int, rim: Int32s, nearness: Nearness) -> bool:
     """True if the new faces (a, rim[i, 0], rim[i, 1]) keep to the limit both ways.
 
@@ -78,7 +78,7 @@ def stays_near(points: Floats, next_member: Int32s, a: int, b: int, count: int, 
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _is_near(x: float, y: float, z: float, limit: float, nearness: Nearness) -> bool:
     """True if the original has a point within sqrt(limit)."""
     boxes, corners, stack, count = nearness.boxes, nearness.corners, nearness.stack, len(nearness.corners)

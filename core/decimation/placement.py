@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from core.decimation.kernel import kernel
 
 Floats = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place(
     quadrics: Floats, a: int, b: int, origin: Floats, x: float, y: float, z: float, hold: float
 ) -> tuple[float, float, float]:
@@ -40,7 +41,7 @@ def place(
     return x + dx, y + dy, z + dz
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def error(quadrics: Floats, a: int, b: int, origin: Floats, x: float, y: float, z: float) -> float:
     """Squared distances to the planes of two quadrics, times their areas: mm^4."""
     x0, y0, z0 = x - origin[0], y - origin[1], z - origin[2]

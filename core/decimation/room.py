@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from core.decimation.box_tree import STACK, find_in_box
+from core.decimation.kernel import kernel
 from core.geometry.clearance import pair_is_crowded
 from core.geometry.triangle_distance import nearer
 
@@ -17,8 +17,6 @@ Ints = NDArray[np.int64]
 Int32s = NDArray[np.int32]
 
 OPEN_COSINE = 0.3  # faces within about 70 degrees of one direction cannot cross: no pair of them is asked
-BLOCK = 32  # faces that are looked at together for whether anything faces them
-CALM_MARGIN = 0.5  # of a block's diagonal: so far around it nothing faces it
 FOUND = 4096  # faces near one star; more of them, and the collapse is refused
 
 
@@ -54,14 +52,12 @@ class RoomScratch(NamedTuple):
         )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def has_room(
     points: Floats,
     ids: Int32s,
     normals: Floats,
     boxes: Floats,
-    calm: Floats,
-    block: int,
     obstacles: Obstacles,
     own_mm: float,
     thorough: bool,
@@ -75,7 +71,6 @@ def has_room(
 ) -> bool:
     """True if `count` new faces (centre, rim[i, 0], rim[i, 1]) keep clear of all faces not stamped with token, and of obstacles.
 
-    calm: of `find_calm`; block: the one at hand.
     rim: (>= count, 2) vertices, points of all in place. new_normals: (>= count, 3) unit. thorough: ask every pair of faces
     whose boxes meet, not only where surfaces face each other.
     """
@@ -98,69 +93,23 @@ def has_room(
         if new_normals[i, 0] * nx + new_normals[i, 1] * ny + new_normals[i, 2] * nz < OPEN_COSINE:
             suspicious = True
     kept = 0
-    if suspicious or not _is_within(box, calm, block):
-        near = find_in_box(points, ids, boxes, box, scratch.stack, scratch.found)
-        if near < 0:
-            return False
-        for k in range(near):
-            face = scratch.found[k]
-            if face_stamp[face] == token:
-                continue
-            scratch.found[kept] = face
-            kept += 1
-            if normals[face, 0] * nx + normals[face, 1] * ny + normals[face, 2] * nz < OPEN_COSINE:
-                suspicious = True
+    near = find_in_box(points, ids, boxes, box, scratch.stack, scratch.found)
+    if near < 0:
+        return False
+    for k in range(near):
+        face = scratch.found[k]
+        if face_stamp[face] == token:
+            continue
+        scratch.found[kept] = face
+        kept += 1
+        if normals[face, 0] * nx + normals[face, 1] * ny + normals[face, 2] * nz < OPEN_COSINE:
+            suspicious = True
     if suspicious and _is_crowded(points, ids, centre, count, rim, kept, own_mm, scratch):
         return False
     return len(obstacles.boxes) == 0 or not _meets_obstacle(points, centre, count, rim, obstacles, scratch)
 
 
-@njit(cache=True, nogil=True)
-def _is_within(box: Floats, calm: Floats, block: int) -> bool:
-    below = box[0] < calm[block, 0] or box[1] < calm[block, 1] or box[2] < calm[block, 2]
-    within: bool = not below and box[3] <= calm[block, 3] and box[4] <= calm[block, 4] and box[5] <= calm[block, 5]
-    return within
-
-
-@njit(cache=True, nogil=True)
-def find_calm(points: Floats, ids: Int32s, normals: Floats, boxes: Floats, scratch: RoomScratch, calm: Floats) -> None:
-    """Boxes in which all faces look much the same way, one around each block of faces: calm (blocks, 6), empty if there is none.
-
-    A collapse within such a box crosses nothing that was there, so nothing needs to be looked for. What comes in later, from
-    far away, is left to the exact proof at the end.
-    """
-    box = scratch.box
-    for block in range(len(calm)):
-        box[:3], box[3:] = np.inf, -np.inf
-        nx, ny, nz = 0.0, 0.0, 0.0
-        for face in range(block * BLOCK, min((block + 1) * BLOCK, len(normals))):
-            if ids[3 * face] < 0:
-                continue
-            nx, ny, nz = nx + normals[face, 0], ny + normals[face, 1], nz + normals[face, 2]
-            for corner in range(3 * face, 3 * face + 3):
-                for axis in range(3):
-                    value = points[ids[corner], axis]
-                    box[axis], box[axis + 3] = min(box[axis], value), max(box[axis + 3], value)
-        calm[block, :3], calm[block, 3:] = np.inf, -np.inf
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length == 0.0:
-            continue
-        margin = CALM_MARGIN * np.sqrt((box[3] - box[0]) ** 2 + (box[4] - box[1]) ** 2 + (box[5] - box[2]) ** 2)
-        for axis in range(3):
-            box[axis], box[axis + 3] = box[axis] - margin, box[axis + 3] + margin
-        near = find_in_box(points, ids, boxes, box, scratch.stack, scratch.found)
-        alike = near >= 0
-        for k in range(near):
-            face = scratch.found[k]
-            if normals[face, 0] * nx + normals[face, 1] * ny + normals[face, 2] * nz < OPEN_COSINE * length:
-                alike = False
-                break
-        if alike:
-            for side in range(6):
-                calm[block, side] = box[side]
-
-
-@njit(cache=True, nogil=True)
+@kernel
 def _load(points: Floats, row: int, a: int, b: int, c: int, scratch: RoomScratch) -> None:
     scratch.ids[row, 0], scratch.ids[row, 1], scratch.ids[row, 2] = a, b, c
     for axis in range(3):
@@ -169,7 +118,7 @@ def _load(points: Floats, row: int, a: int, b: int, c: int, scratch: RoomScratch
         scratch.corners[row, 2, axis] = points[c, axis]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _is_crowded(
     points: Floats, ids: Int32s, centre: int, count: int, rim: Int32s, kept: int, own_mm: float, scratch: RoomScratch
 ) -> bool:
@@ -191,7 +140,7 @@ def _is_crowded(
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _apart(corners: Floats, margin: float) -> bool:
     """True if the boxes of both faces are further apart than margin."""
     for axis in range(3):
@@ -202,7 +151,7 @@ def _apart(corners: Floats, margin: float) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _meets_obstacle(points: Floats, centre: int, count: int, rim: Int32s, obstacles: Obstacles, scratch: RoomScratch) -> bool:
     """True if a new face comes nearer to an obstacle than the gap."""
     gap = np.sqrt(obstacles.gap_squared)

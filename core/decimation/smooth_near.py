@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from core.decimation.box_tree import widen
 from core.decimation.collapse import Guards, Scratch
+from core.decimation.kernel import kernel
 from core.decimation.nearness import Nearness, stays_near
 from core.decimation.placement import place
-from core.decimation.room import BLOCK, Obstacles, has_room
+from core.decimation.room import Obstacles, has_room
 from core.decimation.star import following, gather_star, preceding
 from core.decimation.state import GONE, State
 from core.decimation.triangle import triangle
@@ -32,7 +33,7 @@ def spread_to_neighbours(state: State) -> None:
             state.dirty[state.ids[following(corner)]] = True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def smooth_dirty(state: State, weight: float, guards: Guards, obstacles: Obstacles, nearness: Nearness, scratch: Scratch) -> int:
     """Move dirty vertices by `weight` of the way to the middle of their neighbours, along the surface; returns how many moved.
 
@@ -47,7 +48,7 @@ def smooth_dirty(state: State, weight: float, guards: Guards, obstacles: Obstacl
     return moved
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _smooth(
     state: State, vertex: int, weight: float, guards: Guards, obstacles: Obstacles, nearness: Nearness, scratch: Scratch
 ) -> bool:
@@ -86,7 +87,7 @@ def _smooth(
         scratch.face_stamp[scratch.star_a[i] // 3] = scratch.token[0]
     points[vertex, 0], points[vertex, 1], points[vertex, 2] = x, y, z
     fits = has_room(
-        points, ids, state.normals, state.boxes, state.calm, scratch.star_a[0] // 3 // BLOCK,
+        points, ids, state.normals, state.boxes,
         obstacles, guards.own_mm, guards.thorough, scratch.token[0],
         scratch.face_stamp, vertex, count, scratch.rim, scratch.normals, scratch.room,
     )  # fmt: skip

@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from core.decimation.kernel import kernel
 
 Ints = NDArray[np.int64]
 Int32s = NDArray[np.int32]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def following(corner: int) -> int:
     """The next corner of the same face."""
     turned: int = corner - 2 if corner % 3 == 2 else corner + 1
     return turned
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def preceding(corner: int) -> int:
     """The corner before in the same face."""
     turned: int = corner + 2 if corner % 3 == 0 else corner - 1
     return turned
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gather_star(opposite: Int32s, corner: int, star: Ints) -> int:
     """The corners at one vertex, in turn, from one of them, into star; returns how many, or -1 if star is too short."""
     at, count = corner, 0

@@ -13,7 +13,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from core.decimation.box_tree import box_tree, morton_order
-from core.decimation.room import BLOCK
 from core.decimation.triangle import triangle
 from core.geometry.connectivity import Connectivity
 from core.mesh import Mesh
@@ -31,7 +30,6 @@ class State(NamedTuple):
     """ids, opposite: (3 F,). corner_of: (V,) any corner there, or GONE. points: (V, 3) mm, exact in float32.
 
     normals: (F, 3) unit. shape: (F,) quality q. quadrics: (V, 11) about `origin` (3,). boxes: (2 leaves - 1, 6).
-    calm: (blocks, 6), see `find_calm`.
     merged_into: (V,) the vertex that took a vertex in, or itself. fixed: (V,) may not move. dirty: (V,) to be smoothed.
     label: (F,) region of each face, the last number for the rest. room: (regions + 1,) faces that may still go there.
     next_member, last_member: (V,) the vertices merged into each, as a chain that starts at itself and ends in GONE.
@@ -46,7 +44,6 @@ class State(NamedTuple):
     quadrics: Floats
     origin: Floats
     boxes: Floats
-    calm: Floats
     merged_into: Int32s
     fixed: Flags
     dirty: Flags
@@ -92,7 +89,6 @@ def _assemble(points: Floats, faces: Int32s, label: Int32s, room: Ints, fixed: F
     numbers = np.arange(len(points), dtype=np.int32)
     return State(
         faces.ravel(), opposite, corner_of, points, normals, shape, quadrics, origin, boxes,
-        np.empty((-(-len(faces) // BLOCK), 6)),
         numbers.copy(), fixed.copy(), np.zeros(len(points), dtype=np.bool_), label.astype(np.int32), room.copy(),
         np.full(len(points), GONE, dtype=np.int32), numbers.copy(),
     )  # fmt: skip

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from core.decimation.collapse import DONE, HOLD, Guards, Scratch, collapse
 from core.decimation.face_heap import entry, pop, push, replace_first
+from core.decimation.kernel import kernel
 from core.decimation.nearness import Nearness
 from core.decimation.placement import error, place
 from core.decimation.room import Obstacles
@@ -21,11 +22,39 @@ Ints = NDArray[np.int64]
 Int32s = NDArray[np.int32]
 
 SLACK = 1 << 54  # in an entry: a priority half as high again is no reason to wait
+ALL = (1 << 63) - 1
+PIECE = 512  # faces that are worked on together, neighbours on the space-filling curve
+LEAST_PIECES = 8  # a surface of fewer is worked on as a whole
+EASY = 0.05  # share of the faces that the first limit lets go
+MORE_AGAIN = 1.5  # a step takes at most about that much of what the step before took
 LEVEL = 1e-3  # radians; among faces flatter than about this the distance decides alone
 EVEN = 1e-6  # of a side, as a distance: among collapses that change nothing, the shortest first
 
 
-@njit(cache=True, nogil=True)
+class Queue(NamedTuple):
+    """Heaps of faces, one for each piece of the surface, side by side in one array; sizes: entries of each.
+
+    queued: (F,) faces in a heap. bits and number: the same four bytes. costs, sides: (3,) of the face at hand.
+    """
+
+    heap: Ints
+    sizes: Ints
+    queued: NDArray[np.bool_]
+    bits: Int32s
+    number: NDArray[np.float32]
+    costs: Floats
+    sides: Ints
+
+    @classmethod
+    def of(cls, faces: int) -> Queue:
+        """Empty."""
+        bits = np.zeros(1, np.int32)
+        return cls(
+            np.empty(faces, np.int64), np.zeros(-(-faces // PIECE), np.int64), np.zeros(faces, np.bool_),
+            bits, bits.view(np.float32), np.empty(3), np.empty(3, np.int64),
+        )  # fmt: skip
+
+
 def thin(
     state: State,
     goal: int,
@@ -41,66 +70,119 @@ def thin(
 
     The face of lowest priority goes first, by its shortest (by quadric: cheapest) side that may. A priority is computed anew
     when its face comes first, so it need not follow every change; a face that may not go waits until one next to it changes.
+    On a large surface one piece of it after the other goes up to a limit, which then rises by a half: what is worked on stays
+    in the cache, and nothing is out of turn by more than that half. The last step is in order over the whole surface.
     counts: (8,) attempts by outcome, added to.
     """
-    ids, opposite, points, normals, quadrics, origin = (
+    total = len(state.ids) // 3
+    queue = Queue.of(total)
+    work = (by_curvature, guards, obstacles, nearness, scratch, counts)
+    _fill(state, by_curvature, queue, PIECE)
+    if total >= LEAST_PIECES * PIECE:
+        listed = _listed(queue, PIECE)
+        limit = listed[int(EASY * len(listed))] if len(listed) else 0
+        while faces > goal:
+            before = faces
+            faces = _drain(state, goal, faces, limit, queue, PIECE, *work)
+            if faces - MORE_AGAIN * (before - faces) <= goal or not queue.sizes.any():
+                break
+            limit += SLACK
+    listed = _listed(queue, PIECE)
+    queue.heap[: len(listed)] = listed  # what is sorted is a heap
+    queue.sizes[:] = 0
+    queue.sizes[0] = len(listed)
+    left: int = _drain(state, goal, faces, ALL, queue, total, *work)
+    return left
+
+
+def _listed(queue: Queue, piece: int) -> Ints:
+    """The entries of all heaps in order."""
+    starts = piece * np.arange(len(queue.sizes))
+    parts = [queue.heap[start : start + size] for start, size in zip(starts.tolist(), queue.sizes.tolist(), strict=True)]
+    return np.sort(np.concatenate(parts))
+
+
+@kernel
+def _fill(state: State, by_curvature: bool, queue: Queue, piece: int) -> None:
+    """Queue every face, each in the heap of its piece."""
+    for face in range(len(state.ids) // 3):
+        if state.ids[3 * face] != GONE:
+            _queue(state, by_curvature, queue, piece, face)
+
+
+@kernel
+def _queue(state: State, by_curvature: bool, queue: Queue, piece: int, face: int) -> None:
+    heap = face // piece
+    code = _code(state, by_curvature, queue, face)
+    queue.sizes[heap] = push(queue.heap, heap * piece, queue.sizes[heap], code)
+    queue.queued[face] = True
+
+
+@kernel
+def _code(state: State, by_curvature: bool, queue: Queue, face: int) -> np.int64:
+    """The entry of a face as it is now; the order of its sides is left in queue.sides."""
+    priority = _priority(
         state.ids, state.opposite, state.points, state.normals, state.quadrics, state.origin,
+        face, by_curvature, queue.costs, queue.sides,
     )  # fmt: skip
-    total = len(ids) // 3
-    heap, queued = np.empty(total + 1, np.int64), np.zeros(total, np.bool_)
-    bits = np.zeros(1, np.int32)
-    number = bits.view(np.float32)
-    costs, sides = np.empty(3), np.empty(3, np.int64)
-    size = 0
-    for face in range(total):
-        if ids[3 * face] != GONE:
-            size = push(
-                heap,
-                size,
-                entry(
-                    _priority(ids, opposite, points, normals, quadrics, origin, face, by_curvature, costs, sides),
-                    face,
-                    bits,
-                    number,
-                ),
-            )
-            queued[face] = True
-    while faces > goal and size > 0:
-        first = heap[0]
-        face = first & 0xFFFFFFFF
-        if ids[3 * face] == GONE:
-            size = pop(heap, size)
-            continue
-        code = entry(
-            _priority(ids, opposite, points, normals, quadrics, origin, face, by_curvature, costs, sides), face, bits, number
-        )
-        if code > first + SLACK:
-            replace_first(heap, size, code)
-            continue
-        size = pop(heap, size)
-        queued[face] = False
-        for i in range(3):
-            kept = ids[following(sides[i])]
-            outcome = collapse(state, sides[i], guards, obstacles, nearness, scratch)
-            counts[outcome] += 1
-            if outcome != DONE:
+    code: np.int64 = entry(priority, face, queue.bits, queue.number)
+    return code
+
+
+@kernel
+def _drain(
+    state: State,
+    goal: int,
+    faces: int,
+    limit: int,
+    queue: Queue,
+    piece: int,
+    by_curvature: bool,
+    guards: Guards,
+    obstacles: Obstacles,
+    nearness: Nearness,
+    scratch: Scratch,
+    counts: Ints,
+) -> int:
+    """Take from each heap in turn what is not above the limit; returns how many faces are left."""
+    ids, opposite = state.ids, state.opposite
+    for turn in range((len(queue.queued) + piece - 1) // piece):
+        base = turn * piece
+        while faces > goal and queue.sizes[turn] > 0:
+            first = queue.heap[base]
+            if first > limit:
+                break
+            face = first & 0xFFFFFFFF
+            if ids[3 * face] == GONE:
+                queue.sizes[turn] = pop(queue.heap, base, queue.sizes[turn])
                 continue
-            faces -= 2
-            state.dirty[kept] = True
-            around = gather_star(opposite, state.corner_of[kept], scratch.star_a)
-            for k in range(around):
-                corner = scratch.star_a[k]
-                state.dirty[ids[following(corner)]] = True
-                for near in (corner // 3, np.int64(opposite[corner]) // 3):
-                    if not queued[near]:
-                        priority = _priority(ids, opposite, points, normals, quadrics, origin, near, by_curvature, costs, sides)
-                        size = push(heap, size, entry(priority, near, bits, number))
-                        queued[near] = True
-            break
+            code = _code(state, by_curvature, queue, face)
+            if code > first + SLACK:
+                replace_first(queue.heap, base, queue.sizes[turn], code)
+                continue
+            queue.sizes[turn] = pop(queue.heap, base, queue.sizes[turn])
+            queue.queued[face] = False
+            for i in range(3):
+                side = queue.sides[i]
+                kept = ids[following(side)]
+                outcome = collapse(state, side, guards, obstacles, nearness, scratch)
+                counts[outcome] += 1
+                if outcome != DONE:
+                    continue
+                faces -= 2
+                state.dirty[kept] = True
+                around = gather_star(opposite, state.corner_of[kept], scratch.star_a)
+                for k in range(around):
+                    corner = scratch.star_a[k]
+                    state.dirty[ids[following(corner)]] = True
+                    for near in (corner // 3, np.int64(opposite[corner]) // 3):
+                        if not queue.queued[near]:
+                            _queue(state, by_curvature, queue, piece, near)
+                break
     return faces
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _priority(
     ids: Int32s,
     opposite: Int32s,

@@ -11,7 +11,7 @@ from core.decimation.box_tree import fit_boxes
 from core.decimation.collapse import REASONS, Guards, Scratch
 from core.decimation.nearness import Nearness
 from core.decimation.plan import Plan
-from core.decimation.room import Obstacles, find_calm
+from core.decimation.room import Obstacles
 from core.decimation.smooth_near import smooth_dirty, spread_to_neighbours
 from core.decimation.state import GONE, State, alive, begin
 from core.decimation.thin import thin
@@ -67,7 +67,6 @@ def thinned(mesh: Mesh, plan: Plan, locked: Flags, nearness: Nearness, means: Me
         while left > plan.goal:
             goal = max(plan.goal, int(ROUND * left))
             before = left
-            find_calm(state.points, state.ids, state.normals, state.boxes, scratch.room, state.calm)
             left = thin(state, goal, left, means.by_curvature, guards, means.obstacles, nearness, scratch, counts)
             if means.smooth_weight > 0.0:
                 spread_to_neighbours(state)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from core.decimation.kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def triangle(
     px: float, py: float, pz: float, qx: float, qy: float, qz: float, rx: float, ry: float, rz: float
 ) -> tuple[float, float, float, float, float]:
