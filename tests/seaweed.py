@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
@@ -88,7 +88,8 @@ class SeaweedServer:
         deadline = time.monotonic() + START_S
         while True:
             try:
-                self.client().create_bucket(Bucket=name)
+                with suppress(self.client().exceptions.BucketAlreadyOwnedByYou):  # by the attempt before
+                    self.client().create_bucket(Bucket=name)
                 self.client().put_object(Bucket=name, Key="first", Body=b"volumes are made on first use")
                 self.client().delete_object(Bucket=name, Key="first")
             except (BotoCoreError, ClientError):

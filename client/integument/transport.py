@@ -72,9 +72,13 @@ class Transport:
     def stream(
         self, method: str, path: str, *, headers: Mapping[str, str], read_timeout_s: float | None = None
     ) -> Iterator[httpx.Response]:
-        """One attempt; the body is read inside the block, where errors are mapped too. 416 is handed out, not raised."""
+        """One attempt; the body is read inside the block, where errors are mapped too. 416 is handed out, not raised.
+
+        A server may send a download on to its object store; our key stays behind, httpx takes it to no other host.
+        """
         timeout = self._timeout(read_timeout_s or self._timeout_s)
-        with self._mapped_errors(), self._http.stream(method, path, headers=dict(headers), timeout=timeout) as response:
+        sent = self._http.stream(method, path, headers=dict(headers), timeout=timeout, follow_redirects=True)
+        with self._mapped_errors(), sent as response:
             if response.is_error and response.status_code != httpx.codes.REQUESTED_RANGE_NOT_SATISFIABLE:
                 response.read()
                 raise _refusal(response)

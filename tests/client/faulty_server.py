@@ -52,7 +52,14 @@ class Cut:
     bytes: int
 
 
-Fault = Refuse | Drop | Cut
+@dataclass
+class SendOn:
+    """Point to another place, as a server does whose files are in an object store."""
+
+    url: str
+
+
+Fault = Refuse | Drop | Cut | SendOn
 
 
 @dataclass
@@ -102,6 +109,8 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
         elif isinstance(fault, Refuse):
             self._refuse(fault)
+        elif isinstance(fault, SendOn):
+            self._bytes(307, b"", "text/plain", {"Location": fault.url})
         elif path in self.state.files:
             self._file(path, fault)
         elif path.endswith("/events"):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from integument import Client, DownloadCorruptError, ProblemError, ServerUnreachableError
 
-from tests.client.faulty_server import JOB_ID, Cut, Refuse, State
+from tests.client.faulty_server import JOB_ID, Cut, Refuse, SendOn, State, faulty_server
 
 PATH = f"/v1/jobs/{JOB_ID}/results/package"
 CONTENT = random.Random(5).randbytes(300_000)
@@ -33,6 +33,16 @@ def test_a_broken_download_goes_on_where_it_stopped(client: Client, state: State
     assert ranges(state)[1:] == [f"bytes={20_000 * n}-" for n in range(1, 7)]
     assert told[-1] == (len(CONTENT), len(CONTENT))
     assert left_in(tmp_path) == ["a.zip"]
+
+
+def test_a_download_is_followed_to_an_object_store_without_the_key(lab: tuple[str, State], tmp_path: Path) -> None:
+    url, state = lab
+    with faulty_server() as (elsewhere, store), Client(url) as client:
+        store.files["/bucket/package"] = CONTENT
+        state.faults[f"GET {PATH}"].append(SendOn(f"{elsewhere}/bucket/package?signature=1"))
+        assert client.download(JOB_ID, "package", tmp_path / "a.zip").read_bytes() == CONTENT
+        (seen,) = store.seen
+        assert "authorization" not in seen.headers
 
 
 def test_a_later_call_resumes_what_an_earlier_one_left(client: Client, state: State, tmp_path: Path) -> None:

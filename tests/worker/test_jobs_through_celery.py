@@ -37,7 +37,8 @@ def test_a_job_ends_with_outputs_timings_and_events(running: Service) -> None:
     report = done.outputs["report"]
     assert running.blobs.path(report.sha256).read_text() == "validate solid"
     assert (report.size, report.media_type, report.file_name) == (14, "application/json", "report.json")
-    assert set(done.timings_s) == {"start", "begin", "work", "store"}
+    # the libraries may still be loading when the first job comes
+    assert set(done.timings_s) - {"load the libraries"} == {"start", "begin", "work", "store"}
     assert done.peak_memory_bytes is not None
     assert done.peak_memory_bytes > 1 << 20
     types = [event.type for event in running.events.after(DEFAULT_WORKSPACE, job.id)]
