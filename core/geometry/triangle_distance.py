@@ -127,6 +127,20 @@ def pierce(corners: Floats, face: int, other_corners: Floats, other: int, height
 
 
 @njit(cache=True, nogil=True)
+def _lowest(heights: Floats) -> float:
+    """Of three."""
+    lowest: float = min(heights[0], heights[1], heights[2])
+    return lowest
+
+
+@njit(cache=True, nogil=True)
+def _highest(heights: Floats) -> float:
+    """Of three."""
+    highest: float = max(heights[0], heights[1], heights[2])
+    return highest
+
+
+@njit(cache=True, nogil=True)
 def _is_beside(corners: Floats, face: int, other_corners: Floats, other: int, heights: Floats, limit: float) -> bool:
     """True if all of `other` lies so far beyond one side of `face`, seen from above, that its squared distance is over limit.
 
@@ -137,7 +151,7 @@ def _is_beside(corners: Floats, face: int, other_corners: Floats, other: int, he
     vx, vy, vz = corners[face, 2, 0] - ax, corners[face, 2, 1] - ay, corners[face, 2, 2] - az
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     height = 0.0
-    if heights.min() > 0.0 or heights.max() < 0.0:
+    if _lowest(heights) > 0.0 or _highest(heights) < 0.0:
         height = min(abs(heights[0]), abs(heights[1]), abs(heights[2]))
     missing = (limit - height * height) * (1.0 + 1e-12)
     for side in range(3):
@@ -164,10 +178,10 @@ def nearer(corners_a: Floats, face_a: int, corners_b: Floats, face_b: int, best:
     """
     reach = math.sqrt(best) * (1.0 + 1e-12)
     has_plane_a = sides_of_plane(corners_a, face_a, corners_b, face_b, heights[0])
-    if has_plane_a and (heights[0].min() > reach or heights[0].max() < -reach):
+    if has_plane_a and (_lowest(heights[0]) > reach or _highest(heights[0]) < -reach):
         return best
     has_plane_b = sides_of_plane(corners_b, face_b, corners_a, face_a, heights[1])
-    if has_plane_b and (heights[1].min() > reach or heights[1].max() < -reach):
+    if has_plane_b and (_lowest(heights[1]) > reach or _highest(heights[1]) < -reach):
         return best
     if has_plane_a and _is_beside(corners_a, face_a, corners_b, face_b, heights[0], best):
         return best
@@ -190,8 +204,8 @@ def nearer(corners_a: Floats, face_a: int, corners_b: Floats, face_b: int, best:
             if distance < best:
                 best = distance
                 point[0], point[1], point[2] = x, y, z
-    if best > 0.0 and has_plane_a and heights[0].min() < 0.0 < heights[0].max():
+    if best > 0.0 and has_plane_a and _lowest(heights[0]) < 0.0 < _highest(heights[0]):
         best = pierce(corners_a, face_a, corners_b, face_b, heights[0], best, point)
-    if best > 0.0 and has_plane_b and heights[1].min() < 0.0 < heights[1].max():
+    if best > 0.0 and has_plane_b and _lowest(heights[1]) < 0.0 < _highest(heights[1]):
         best = pierce(corners_b, face_b, corners_a, face_a, heights[1], best, point)
     return best

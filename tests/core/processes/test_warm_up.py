@@ -22,7 +22,7 @@ def test_kernels_are_warm():
     done = subprocess.run([sys.executable, "-c", LIST_COLD], capture_output=True, text=True, check=True)
     for kernel in ("_search", "_shift", "_shrink", "_spread", "_mark_own", "_mark_near", "choose_flips", "choose_collapses"):
         assert kernel in done.stdout
-    for kernel in ("decimation.thin thin", "decimation.literal _run", "decimation.smooth_near smooth_dirty"):
+    for kernel in ("decimation.thin _drain", "decimation.literal _run", "decimation.smooth_near smooth_dirty"):
         assert kernel in done.stdout
     for kernel in ("healing.loop_triangulation _triangulate", "healing.local_crossings _mark"):
         assert kernel in done.stdout
