@@ -53,7 +53,7 @@ class SeaweedServer:
         s3 = ("-s3", f"-s3.config={self.folder / 's3.json'}", "-s3.port.iceberg=0", "-s3.port.lance=0", "-s3.iam=false")
         with (self.folder / "log").open("ab") as log:
             self.process = start_tethered(
-                [weed, "server", *where, *s3, *ports, "-volume.max=20", "-master.volumeSizeLimitMB=64"],
+                [weed, "server", *where, *s3, *ports, "-volume.max=200", "-master.volumeSizeLimitMB=64"],
                 death_signal=signal.SIGKILL,
                 log=log,
             )

@@ -8,11 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.errors import InputError
 from core.geometry.clearance import Clearance
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import vertex_normals
+from core.geometry.volume import signed_volumes
 from core.mesh import Mesh
 from core.run import SILENT, RunContext
+from core.schema.finding import Finding, Place, Severity
 from core.schema.shells import Layer, ShellsInputs, Side
 from core.shells.advance import Surroundings, advance
 from core.shells.depth_field import NO_ARRAYS, limit_slope, target_depths
@@ -130,11 +133,24 @@ def _place_layers(
         goal = skin.vertices[origin] + depth[origin, None] * shift[origin]
         sheet = advance(stack[row], goal, depth, around, stage)
         mesh = Mesh.of(sheet.vertices, sheet.net.faces).rounded_to_float32()
+        _require_not_through(skin, mesh, name)
         reached, _away = around.depth(mesh.vertices)
         shells.append(Shell(name, mesh, targets[row][sheet.origin], depth[sheet.origin], reached, layers[row].side))
         # not the rounded mesh: it may be nearer to the next layer's start by the rounding
         inner = FaceTree.of(sheet.vertices, sheet.net.faces), reached[sheet.stand_in]
     return tuple(reversed(shells))
+
+
+def _require_not_through(skin: Mesh, layer: Mesh, name: str) -> None:
+    """A layer of a body hardly thicker than the layer is deep may go through itself. Raises: InputError `shells.no_room`."""
+    volumes = [signed_volumes(mesh.vertices, mesh.faces, np.zeros(len(mesh.faces), dtype=np.int64))[0] for mesh in (skin, layer)]
+    if volumes[0] * volumes[1] > 0:
+        return
+    told = f"there is no room for layer '{name}': the body is too thin to hold it anywhere"
+    x, y, z = (float(value) for value in skin.vertices.mean(axis=0))
+    places = (Place(mesh="skin", point_mm=(x, y, z), faces=(0,)),)
+    finding = Finding(code="shells.no_room", severity=Severity.ERROR, message=told, count=len(skin.faces), places=places)
+    raise InputError("shells.no_room", told, findings=(finding,), layer=name)
 
 
 def _split(layers: int) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from core.mesh import Mesh
@@ -60,6 +60,7 @@ depths = st.lists(st.floats(0.1, 6.0), min_size=1, max_size=4).map(
 
 
 @settings(max_examples=25)
+@example(skin=needle(4.0, 1.0, 4, 3.0), depths_mm=(1.0,), min_gap_mm=0.01)
 @given(skin=surfaces, depths_mm=depths, min_gap_mm=st.sampled_from([0.01, 0.05, 0.1]))
 def test_proven_or_refused_with_places(skin: Mesh, depths_mm: tuple[float, ...], min_gap_mm: float) -> None:
     trial = attempt(skin, depths_mm, min_gap_mm)
