@@ -11,12 +11,12 @@ from types import ModuleType
 from pydantic import ValidationError
 
 from core.errors import InputError, IntegumentError, StateError
-from server.admin import audit, keys, workspaces
+from server.admin import audit, jobs, keys, workspaces
 from server.admin.desk import Desk
 from store.database import Database
 from store.settings import Settings
 
-GROUPS: tuple[ModuleType, ...] = (keys, workspaces, audit)
+GROUPS: tuple[ModuleType, ...] = (keys, workspaces, jobs, audit)
 """Each has `register(groups)`, which adds its commands; `run(desk, options)` is what one does."""
 
 DESCRIPTION = """\
