@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, MetaData, String, Text
+from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, Integer, MetaData, String, Text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
 from store.instant import Instant
@@ -104,6 +104,7 @@ class JobRow(Record):
     event_seq: Mapped[int]
     output_bytes: Mapped[int] = mapped_column(BigInteger)  # of all outputs, for the quota: an index holds the sum
     subscriber: Mapped[dict[str, Any] | None] = mapped_column(Json)  # whom to call back, None: nobody
+    traceparent: Mapped[str | None] = mapped_column(String(64))  # W3C: the trace of the request that accepted it
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
@@ -237,3 +238,39 @@ class CallbackRow(Record):
     ended_at: Mapped[datetime | None] = mapped_column(Instant)
     last_status: Mapped[int | None]
     last_error: Mapped[str | None] = mapped_column(Text)
+
+
+class WorkerRow(Record):
+    """A worker process that gives word every few seconds; one that stops in good order takes its row along."""
+
+    __tablename__ = "workers"
+
+    name: Mapped[str] = mapped_column(String(300), primary_key=True)
+    host: Mapped[str] = mapped_column(String(255))
+    version: Mapped[str] = mapped_column(String(64))
+    concurrency: Mapped[int]
+    memory_bytes: Mapped[int] = mapped_column(BigInteger)
+    disk_free_bytes: Mapped[int] = mapped_column(BigInteger)
+    draining: Mapped[bool]
+    started_at: Mapped[datetime] = mapped_column(Instant)
+    seen_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class TallyRow(Record):
+    """What was just counted: a row of its own, so that nobody who counts waits for another; folded into `metric_totals`."""
+
+    __tablename__ = "metric_tallies"
+
+    id: Mapped[int] = mapped_column(BigInteger().with_variant(Integer, "sqlite"), primary_key=True)
+    cells: Mapped[list[list[Any]]] = mapped_column(Json)
+
+
+class MetricTotalRow(Record):
+    """What was counted since the tables were made; `cell` is empty for a counter, `sum` or a bucket's number in a histogram."""
+
+    __tablename__ = "metric_totals"
+
+    family: Mapped[str] = mapped_column(String(64), primary_key=True)
+    labels: Mapped[str] = mapped_column(String(400), primary_key=True)
+    cell: Mapped[str] = mapped_column(String(8), primary_key=True)
+    value: Mapped[float]
