@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol, TypeVar
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +19,14 @@ class RunEvent:
     message: str
 
 
+class Checkpoints(Protocol):
+    """Where outputs of finished steps are kept for another attempt of the same job."""
+
+    def step(self, stage: str, make: Callable[[], T], depends: tuple[object, ...], log: Callable[[str], None]) -> T:
+        """As `RunContext.checkpoint`."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """A span of the job's progress bar, handed down from step to step."""
@@ -25,11 +35,12 @@ class RunContext:
     phase: str = "start"
     low: float = 0.0
     high: float = 100.0
+    checkpoints: Checkpoints | None = None
 
     def stage(self, phase: str, low: float, high: float) -> RunContext:
         """The sub-span from `low` to `high`, fractions of this one, named for the user (`shells: fat`); announced at once."""
         width = self.high - self.low
-        inner = RunContext(self.sink, phase, self.low + low * width, self.low + high * width)
+        inner = RunContext(self.sink, phase, self.low + low * width, self.low + high * width, self.checkpoints)
         inner.advance(0.0)
         return inner
 
@@ -41,6 +52,17 @@ class RunContext:
     def log(self, message: str) -> None:
         """One line for the job's log."""
         self.sink(RunEvent("log", round(self.low, 2), self.phase, message))
+
+    def checkpoint(self, stage: str, make: Callable[[], T], *depends: object) -> T:
+        """The output of a step: that of an attempt before if it was kept, else `make()`, kept for the next attempt.
+
+        Needs:    `make` deterministic, its output decided by `stage` (a name unique within the software) and `depends`
+                  alone; both made of frozen dataclasses and models of `core`, arrays, tuples, lists, dicts, text, numbers.
+        Promises: the same value, bit for bit, whether it was made or found; arrays in C order.
+        """
+        if self.checkpoints is None:
+            return make()
+        return self.checkpoints.step(stage, make, depends, self.log)
 
 
 SILENT = RunContext(sink=lambda _event: None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -58,20 +59,23 @@ def decimate(surfaces: Mapping[str, Mesh], inputs: DecimateInputs, run: RunConte
         _require_apart(originals, inputs.min_gap_mm)
 
     current = dict(originals)
+    asked = inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"})
     results: dict[str, Decimated] = {}
     for row, (name, mesh) in enumerate(originals.items()):
         stage = run.stage(f"decimate: {name}", 0.1 + 0.9 * row / len(originals), 0.1 + 0.9 * (row + 1) / len(originals))
         others = [other for key, other in current.items() if key != name]
-        if inputs.literal:
-            results[name] = _account(
-                name, mesh, collapse_literally(mesh, plans[name].goal, inputs.smooth_weight), plans[name], inputs
-            )
-        else:
-            results[name] = _decimate_one(name, mesh, plans[name], others, inputs, stage)
+        make = partial(_decimate_literally if inputs.literal else _decimate_one, name, mesh, plans[name], others, inputs, stage)
+        results[name] = stage.checkpoint("decimate", make, name, originals, current, asked)
         current[name] = results[name].mesh
     if not inputs.literal:
         _prove_apart(current, inputs.min_gap_mm)
     return results
+
+
+def _decimate_literally(
+    name: str, mesh: Mesh, plan: Plan, _others: list[Mesh], inputs: DecimateInputs, _run: RunContext
+) -> Decimated:
+    return _account(name, mesh, collapse_literally(mesh, plan.goal, inputs.smooth_weight), plan, inputs)
 
 
 def _decimate_one(name: str, mesh: Mesh, plan: Plan, others: list[Mesh], inputs: DecimateInputs, run: RunContext) -> Decimated:

@@ -10,6 +10,7 @@ from core.decimation.decimate import decimate
 from core.geometry.deviation import Deviation
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.outcome import Outcome
+from core.processes.proof import validate_once
 from core.processes.surface_package import PROOF, SurfaceJob, deliver_surfaces
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.wording import whole
@@ -17,7 +18,7 @@ from core.run import RunContext
 from core.schema.decimate import DecimateInputs
 from core.schema.report import Report
 from core.validation.regressions import find_regressions
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 PRIORITY = {
     "curvature": (
@@ -54,7 +55,7 @@ def run_decimate(inputs: DecimateInputs, meshes: Mapping[str, Mapping[str, Any]]
     `decimate.not_proven` with a report.
     """
     source = load_surfaces(inputs, meshes, run.stage("load", 0.0, 0.03))
-    before = validate(source.meshes, min_gap_mm=inputs.min_gap_mm, run=run.stage("look at the surfaces", 0.03, 0.13))
+    before = validate_once(source.meshes, inputs.min_gap_mm, run.stage("look at the surfaces", 0.03, 0.13))
     made = decimate(source.meshes, inputs, run.stage("decimate", 0.13, 0.6))
 
     def find_broken(after: Validation, deviations: Mapping[str, Deviation]) -> list[str]:

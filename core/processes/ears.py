@@ -132,6 +132,10 @@ def _canals(inputs: EarsInputs, skin: Mesh, frame: BodyFrame, solids: list[Named
 def _with_canals(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSkin:
     if not canals:
         return RemeshedSkin(skin, np.full(len(skin.faces), SKIN), len(skin.faces), 0.0, 1.0)
+    return run.checkpoint("ears: canals", lambda: _cut(skin, canals, run), skin, canals)
+
+
+def _cut(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSkin:
     cut = cut_canals(skin, canals)
     run.advance(0.5, f"{len(canals)} canals cut, {len(cut.mesh.faces)} faces")
     remeshed = remesh_seams(cut, skin, tuple(canals.values()))

@@ -14,6 +14,7 @@ from core.io.registry import read_meshes, write_mesh
 from core.mesh import Mesh
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome, OutputFile
+from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.compose import draw_mesh_figures
@@ -22,7 +23,7 @@ from core.schema.finding import Finding, Place, Severity
 from core.schema.graft import GraftInputs
 from core.schema.report import Report
 from core.validation.requirements import require_fit_skin
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 METHODS = (
     "The region was taken out of the base and filled from the donor, as in [3], 6.4.1 to 6.4.3. Faces along the walls of the "
@@ -59,17 +60,22 @@ def run_graft(inputs: GraftInputs, meshes: Mapping[str, Mapping[str, Any]], run:
         check.advance(done / len(surfaces), name)
         require_fit_skin(mesh, name)
     boxes = [(region.box_mm.min, region.box_mm.max) for region in inputs.regions]
-    made = graft(
-        surfaces["base"],
-        surfaces["donor"],
-        boxes,
-        seam_mm=inputs.seam_mm,
-        max_distance_mm=inputs.max_distance_mm,
-        run=run.stage("graft", 0.2, 0.6),
+    step = run.stage("graft", 0.2, 0.6)
+    made = step.checkpoint(
+        "graft",
+        lambda: graft(
+            surfaces["base"],
+            surfaces["donor"],
+            boxes,
+            seam_mm=inputs.seam_mm,
+            max_distance_mm=inputs.max_distance_mm,
+            run=step,
+        ),
+        *(surfaces, boxes, inputs.seam_mm, inputs.max_distance_mm),
     )
     run.stage("write and read back", 0.6, 0.62)
     delivered = _deliver(made.mesh, out_dir)
-    validation = validate({OUTPUT: delivered}, run=run.stage("prove", 0.62, 0.8))
+    validation = validate_once({OUTPUT: delivered}, 0.0, run.stage("prove", 0.62, 0.8))
     report = _report(inputs, sources, surfaces, made, validation)
     _require_proven(report, made.mesh, delivered)
     run.stage("figures", 0.8, 1.0)

@@ -13,6 +13,7 @@ from core.healing.heal import Healed, heal
 from core.mesh import Mesh
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.outcome import Outcome
+from core.processes.proof import validate_once
 from core.processes.surface_package import PROOF, SurfaceJob, deliver_surfaces
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.change_places import draw_change_places
@@ -21,7 +22,7 @@ from core.schema.finding import Finding, Severity
 from core.schema.heal import HealInputs
 from core.schema.report import Report
 from core.validation.regressions import find_regressions
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 METHODS = (
     "The surface was mended by a fixed sequence of local steps, each of which leaves what is sound as it is: duplicate and "
@@ -41,7 +42,7 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
     Raises: InputError `heal.*`, `package.*`; InternalError `heal.not_proven` with a report.
     """
     source = load_surfaces(inputs, meshes, run.stage("load", 0.0, 0.03))
-    before = validate(source.meshes, min_gap_mm=inputs.min_gap_mm, run=run.stage("look at the surfaces", 0.03, 0.13))
+    before = validate_once(source.meshes, inputs.min_gap_mm, run.stage("look at the surfaces", 0.03, 0.13))
     step, count = run.stage("heal", 0.13, 0.6), len(source.meshes)
     healed = {
         name: _heal(name, mesh, inputs, step.stage(f"heal: {name}", number / count, (number + 1) / count), alone=count == 1)
@@ -86,8 +87,9 @@ def _methods(inputs: HealInputs) -> str:
 
 def _heal(name: str, mesh: Mesh, inputs: HealInputs, run: RunContext, *, alone: bool) -> Healed:
     """One surface; a refusal says which one it is about."""
+    asked = inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"})
     try:
-        return heal(mesh, inputs, run)
+        return run.checkpoint("heal", lambda: heal(mesh, inputs, run), mesh, asked)
     except IntegumentError as error:
         said = error.message if alone else f"{name}: {error.message}"
         findings = tuple(_renamed(finding, name) for finding in error.findings)

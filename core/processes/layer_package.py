@@ -18,6 +18,7 @@ from core.package.conductivity import conductivity_of
 from core.package.read import read_shells
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.outcome import Outcome, OutputFile
+from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.reports.figures.compose import draw_shell_figures
 from core.reports.figures.figure import Figure
@@ -31,7 +32,7 @@ from core.shells.nested_shells import Shell, create_shells
 from core.shells.thickness import is_limited, is_on_target, measure_thickness
 from core.shells.thin_places import check_depth
 from core.shells.widen_skin import WidenedSkin, widen_skin
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 SHIFT_SHARE = 0.03  # of the progress bar
 
@@ -63,12 +64,17 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     `shells.not_proven` with a report.
     """
     inputs = job.inputs
-    widened = widen_skin(job.skin, inputs, job.arrays, run.stage("skin", 0.0, SHIFT_SHARE))
+    stage = run.stage("skin", 0.0, SHIFT_SHARE)
+    widened = stage.checkpoint(
+        "skin: widened",
+        lambda: widen_skin(job.skin, inputs, job.arrays, stage),
+        *(job.skin, inputs.model_dump(mode="json", exclude={"skin"}), job.arrays),
+    )
     shells = create_shells(widened.mesh, inputs, run.stage("shells", SHIFT_SHARE, 0.57), job.arrays)
     run.stage("write and read back", 0.57, 0.6)
     surfaces = _outermost_first(widened.mesh, shells)
     delivered = _deliver(surfaces, out_dir)
-    validation = validate(delivered, min_gap_mm=inputs.min_gap_mm, run=run.stage("prove", 0.6, 0.77))
+    validation = validate_once(delivered, inputs.min_gap_mm, run.stage("prove", 0.6, 0.77))
     report = _report(job, widened, shells, validation)
     _require_proven(report, list(surfaces))
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from core.errors import IntegumentError, StateError
+from core.processes.checkpoints.kept_steps import KeptSteps
 from core.processes.decimate import run_decimate
 from core.processes.ears import run_ears
 from core.processes.failure import failure_report
@@ -15,6 +16,7 @@ from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.shells import run_shells
 from core.processes.smooth import run_smooth
+from core.processes.software import software_digest
 from core.processes.validate import run_validate
 from core.processes.warm_up import warm_up
 from core.reports.figures.figure import Figure
@@ -48,13 +50,15 @@ class EventSink(Protocol):
 def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
     """Execute one job.
 
-    payload: {"process", "inputs", "meshes": {href: {"path", "name", "sha256", "media_type", "file_name"}}, "out_dir"}.
+    payload: {"process", "inputs", "meshes": {href: {"path", "name", "sha256", "media_type", "file_name"}}, "out_dir"}, and
+    if steps are kept "checkpoints": {"folder", "kept": {key: path}, "worth_s", "room_bytes"}; a step kept is announced by a
+    message {"kind": "checkpoint", "key", "stage"}.
     Returns {"verdict", "summary", "outputs": [{"name", "path", "media_type", "file_name"}]} with paths below `out_dir`'s
     parent as given. Raises: IntegumentError, whose `outputs` name the report that was left nevertheless.
     """
     out_dir = Path(payload["out_dir"])
     process: str = payload["process"]
-    context = RunContext(sink=lambda event: channel.send(_message(event)))
+    context = RunContext(sink=lambda event: channel.send(_message(event)), checkpoints=_kept_steps(payload, channel))
     if process not in HANDLERS:
         raise StateError("process.not_found", f"there is no process '{process}'", process=process)
     try:
@@ -88,6 +92,20 @@ def _listed(file: OutputFile, out_dir: Path) -> dict[str, str]:
         "media_type": file.media_type,
         "file_name": file.file_name,
     }
+
+
+def _kept_steps(payload: Mapping[str, Any], channel: EventSink) -> KeptSteps | None:
+    asked = payload.get("checkpoints")
+    if asked is None:
+        return None
+    return KeptSteps(
+        software_digest(),
+        {key: Path(path) for key, path in asked["kept"].items()},
+        Path(asked["folder"]),
+        lambda key, stage: channel.send({"kind": "checkpoint", "key": key, "stage": stage}),
+        worth_s=asked["worth_s"],
+        room_bytes=asked["room_bytes"],
+    )
 
 
 def _message(event: RunEvent) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.outcome import Outcome
+from core.processes.proof import validate_once
 from core.processes.surface_package import PROOF, SurfaceJob, deliver_surfaces
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.smoothing_course import draw_smoothing_course
@@ -17,7 +18,6 @@ from core.schema.report import Report
 from core.schema.smooth import SmoothInputs
 from core.smoothing.smooth import smooth
 from core.validation.regressions import find_regressions
-from core.validation.validate import validate
 
 METHODS = {
     "standard": "Vertices were moved to the mean of their neighbours (standard Laplacian smoothing, Eq. 3.1 of [3])",
@@ -54,8 +54,10 @@ def run_smooth(inputs: SmoothInputs, meshes: Mapping[str, Mapping[str, Any]], ru
     `smooth.not_proven` with a report.
     """
     source = load_surfaces(inputs, meshes, run.stage("load", 0.0, 0.03))
-    before = validate(source.meshes, min_gap_mm=inputs.min_gap_mm, run=run.stage("look at the surfaces", 0.03, 0.13))
-    made = smooth(source.meshes, inputs, run.stage("smooth", 0.13, 0.6))
+    before = validate_once(source.meshes, inputs.min_gap_mm, run.stage("look at the surfaces", 0.03, 0.13))
+    step = run.stage("smooth", 0.13, 0.6)
+    asked = inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"})
+    made = step.checkpoint("smooth", lambda: smooth(source.meshes, inputs, step), source.meshes, asked)
     courses = {name: result.progress for name, result in made.items()}
     delivered = {name: result.delivered for name, result in made.items()}
     job = SurfaceJob(
@@ -69,7 +71,7 @@ def run_smooth(inputs: SmoothInputs, meshes: Mapping[str, Mapping[str, Any]], ru
         find_broken=lambda after, _deviations: find_regressions(before, after, inputs.min_gap_mm),
         methods=_methods(inputs, together=len(made) > 1),
         references=REFERENCES,
-        parameters=inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}),
+        parameters=asked,
         changes=tuple({"mesh": name, **change} for name, result in made.items() for change in result.changes),
         findings=tuple(finding for result in made.values() for finding in result.findings),
         draw=lambda report: (draw_smoothing_course(courses, delivered, tissue_colours(list(report.meshes))),),

@@ -19,6 +19,7 @@ from core.package.read import read_shells
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.loaded_surfaces import LoadedSurfaces
 from core.processes.outcome import Outcome, OutputFile
+from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.reports.figures.compare import draw_comparison
 from core.reports.figures.figure import Figure
@@ -26,7 +27,7 @@ from core.run import RunContext
 from core.schema.finding import Finding
 from core.schema.report import Report
 from core.validation.comparison import compare_with_original
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 PROOF = (
     "Coordinates were rounded to single precision, written to binary STL, read back, and checked there with exact "
@@ -67,7 +68,7 @@ def deliver_surfaces(job: SurfaceJob, run: RunContext, out_dir: Path) -> Outcome
     """
     run.stage("write and read back", 0.0, 0.06)
     delivered = _deliver(job.made, out_dir)
-    after = validate(delivered, min_gap_mm=job.min_gap_mm, run=run.stage("prove", 0.06, 0.35))
+    after = validate_once(delivered, job.min_gap_mm, run.stage("prove", 0.06, 0.35))
     compare = run.stage("compare", 0.35, 0.5)
     deviations = {name: measure_deviation(job.source.meshes[name], mesh) for name, mesh in delivered.items()}
     report = _report(job, after, delivered, deviations)

@@ -9,13 +9,14 @@ from typing import Any
 from core.io.naming import make_unique
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome
+from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.reports.figures.compose import draw_mesh_figures
 from core.run import RunContext
 from core.schema.reference import MeshReference
 from core.schema.report import Report
 from core.schema.validate import ValidateInputs
-from core.validation.validate import Validation, validate
+from core.validation.validate import Validation
 
 METHODS = (
     "Surfaces were checked for closedness, edge- and vertex-manifoldness, orientation, degenerate and duplicate faces. "
@@ -37,7 +38,7 @@ def run_validate(inputs: ValidateInputs, meshes: Mapping[str, Mapping[str, Any]]
     loaded = _load(inputs, meshes)
     load.advance(1.0, f"{len(loaded)} meshes, {sum(len(entry.mesh.faces) for entry in loaded.values())} faces")
     surfaces = {name: entry.mesh for name, entry in loaded.items()}
-    validation = validate(surfaces, min_gap_mm=inputs.min_gap_mm, run=run.stage("validate", 0.1, 0.6))
+    validation = validate_once(surfaces, inputs.min_gap_mm, run.stage("validate", 0.1, 0.6))
     run.stage("figures", 0.6, 1.0)
     figures = draw_mesh_figures(surfaces, pairs=validation.pairs, findings=validation.findings)
     report = Report(

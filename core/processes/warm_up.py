@@ -9,6 +9,7 @@ from core.geometry.clearance import Clearance, MovingSurface
 from core.grafting.band import triangulate_band
 from core.healing.heal import heal
 from core.mesh import Mesh
+from core.processes.software import software_digest
 from core.reports.figures.compose import draw_mesh_figures
 from core.schema.decimate import DecimateInputs
 from core.schema.heal import HealInputs
@@ -55,3 +56,4 @@ def warm_up() -> None:
     crossing = Mesh.of(np.vstack((cube.vertices, other)), np.vstack((cube.faces[2:], cube.faces + len(cube.vertices))))
     heal(crossing, HealInputs(mesh=inputs.skin, max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
     triangulate_band(cube.vertices[[0, 4, 6, 2]], cube.vertices[[1, 5, 7, 3]])
+    software_digest()

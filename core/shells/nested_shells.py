@@ -13,7 +13,7 @@ from core.geometry.clearance import Clearance
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import vertex_normals
 from core.geometry.volume import signed_volumes
-from core.mesh import Mesh
+from core.mesh import Mesh, Vertices
 from core.run import SILENT, RunContext
 from core.schema.finding import Finding, Place, Severity
 from core.schema.shells import Layer, ShellsInputs, Side
@@ -93,7 +93,13 @@ def _layers_below(
     own = min(OWN_CLEARANCE_MM, inputs.min_gap_mm)
     gap = inputs.min_gap_mm + ROUNDING_MM
     names = tuple(layer.name for layer in layers)
-    stack = thinnest_stack(skin, whole, names, gap, own, run.stage("shells: thinnest stack", 0.03, 0.1))
+    stage = run.stage("shells: thinnest stack", 0.03, 0.1)
+    made = stage.checkpoint(
+        "shells: thinnest stack",
+        lambda: tuple(sheet.parts() for sheet in thinnest_stack(skin, whole, names, gap, own, stage)),
+        *(skin, names, gap, own),
+    )
+    stack = tuple(Sheet.of_parts(*parts) for parts in made)
     return _place_layers(skin, whole, layers, targets, np.minimum(targets, usable), stack, Clearance(gap, own, ()), run)
 
 
@@ -119,6 +125,8 @@ def _place_layers(
     tree = FaceTree.of(skin.vertices, skin.faces)
     shells: list[Shell] = []
     inner: tuple[FaceTree, Floats] | None = None
+    starts = tuple(sheet.parts() for sheet in stack)
+    decided_by = (skin, layers, targets, allowed, starts, clearance.gap_mm, clearance.own_mm)
     for row in reversed(range(len(stack))):
         name, done, width = layers[row].name, len(stack) - 1 - row, 0.9 / len(stack)
         stage = run.stage(f"shells: {name}", 0.1 + done * width, 0.1 + (done + 1) * width)
@@ -131,7 +139,7 @@ def _place_layers(
         around = Surroundings(tree, replace(clearance, obstacles=tuple(obstacles)))
         origin = stack[row].origin
         goal = skin.vertices[origin] + depth[origin, None] * shift[origin]
-        sheet = advance(stack[row], goal, depth, around, stage)
+        sheet = _advanced(stack[row], goal, depth, around, stage, (*decided_by, row))
         mesh = Mesh.of(sheet.vertices, sheet.net.faces).rounded_to_float32()
         _require_not_through(skin, mesh, name)
         reached, _away = around.depth(mesh.vertices)
@@ -139,6 +147,14 @@ def _place_layers(
         # not the rounded mesh: it may be nearer to the next layer's start by the rounding
         inner = FaceTree.of(sheet.vertices, sheet.net.faces), reached[sheet.stand_in]
     return tuple(reversed(shells))
+
+
+def _advanced(
+    start: Sheet, goal: Vertices, depth_mm: Floats, around: Surroundings, run: RunContext, decided_by: tuple[object, ...]
+) -> Sheet:
+    """The costly step of a layer, resumable; `decided_by`: what start, goal, depth and surroundings were made of."""
+    made = run.checkpoint("shells: layer", lambda: advance(start, goal, depth_mm, around, run).parts(), *decided_by)
+    return Sheet.of_parts(*made)
 
 
 def _require_not_through(skin: Mesh, layer: Mesh, name: str) -> None:

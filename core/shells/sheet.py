@@ -32,6 +32,15 @@ class Sheet:
         numbers = np.arange(len(vertices))
         return cls(vertices, Connectivity.of(faces, len(vertices)), numbers, numbers)
 
+    def parts(self) -> tuple[Vertices, Faces, Ints, Ints]:
+        """All that `of_parts` needs to make it again."""
+        return self.vertices, self.net.faces, self.origin, self.stand_in
+
+    @classmethod
+    def of_parts(cls, vertices: Vertices, faces: Faces, origin: Ints, stand_in: Ints) -> Sheet:
+        """The inverse of `parts`."""
+        return cls(vertices, Connectivity.of(faces, len(vertices)), origin, stand_in)
+
     def at(self, vertices: Vertices) -> Sheet:
         """The same connectivity elsewhere."""
         return replace(self, vertices=vertices)
