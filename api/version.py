@@ -1,7 +1,7 @@
-"""The version of the server that is installed."""
+"""The version of the server, under the name the routes know."""
 
 from __future__ import annotations
 
-from importlib.metadata import version
+from store.version import SERVER_VERSION
 
-SERVER_VERSION = version("integument-server")
+__all__ = ["SERVER_VERSION"]

@@ -10,8 +10,11 @@ from sqlalchemy.orm import Session, aliased
 
 from store.callback import Callback, CallbackEvent, CallbackState
 from store.database import Database
+from store.metric_family import CALLBACKS_ENDED
+from store.metrics import note
 from store.records import CallbackRow
 from store.storable import storable_text
+from store.tally import Tally
 from store.transition import owned
 from store.workspace import WorkspaceId
 
@@ -67,7 +70,7 @@ class Callbacks:
             if row is None:
                 return None
             if row.attempts >= max_attempts:
-                _end(row, CallbackState.DEAD)
+                _end(session, row, CallbackState.DEAD)
                 row.ended_at, row.last_error = now, "the deliverer was lost in the last attempt"
                 return None
             row.attempts += 1
@@ -108,7 +111,7 @@ class Callbacks:
             row = _held(session, callback)
             if row is None:
                 return False
-            _end(row, state)
+            _end(session, row, state)
             row.ended_at = self._db.now(session)
             row.last_status, row.last_error = status, None if error is None else storable_text(error, MAX_ERROR)
             return True
@@ -137,8 +140,11 @@ def _held(session: Session, callback: Callback) -> CallbackRow | None:
     ).one_or_none()
 
 
-def _end(row: CallbackRow, state: CallbackState) -> None:
+def _end(session: Session, row: CallbackRow, state: CallbackState) -> None:
     row.state, row.lease_until = state, None
+    tally = Tally()
+    tally.count(CALLBACKS_ENDED, state.value)
+    note(session, tally)
 
 
 def _callback(row: CallbackRow) -> Callback:

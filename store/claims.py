@@ -10,6 +10,7 @@ from sqlalchemy import select, update
 
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
+from store.job_tally import count_attempt
 from store.outbox import tell_subscriber
 from store.records import JobRow
 from store.storable import storable, storable_text
@@ -69,6 +70,7 @@ class Claims:
                 return None
             announce(session, row, now)
             tell_subscriber(session, row, now)
+            count_attempt(session, row, now)
             return snapshot(row)
 
     def renew(

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from core.errors import InternalError
 from store.database import Database
 from store.job import Job, JobFailure, JobStatus
+from store.job_tally import count_expiry
 from store.records import JobRow
 from store.transition import end_dismissed, end_failed, queue_again, snapshot
 
@@ -70,6 +71,7 @@ class Reconciliation:
             lapsed = lapsed.where(JobRow.lease_until < lapsed_at)
         rows = session.scalars(lapsed.with_for_update(skip_locked=True)).all()
         for row in rows:
+            count_expiry(session, row)
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
             elif row.attempt < row.max_attempts:

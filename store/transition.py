@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
+from store.job_tally import count_end
 from store.outbox import tell_subscriber
 from store.records import EventRow, JobOutputRow, JobRow
 from store.storable import storable, storable_text
@@ -92,6 +93,7 @@ def end(session: Session, row: JobRow, status: JobStatus, message: str, now: dat
     row.dismiss_requested = False
     announce(session, row, now)
     tell_subscriber(session, row, now)
+    count_end(session, row, now)
 
 
 def end_failed(session: Session, row: JobRow, failure: JobFailure, now: datetime) -> None:
