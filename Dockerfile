@@ -3,8 +3,16 @@
 # Pin the bases by digest where reproducible images matter: --build-arg PYTHON_IMAGE=python@sha256:...
 ARG PYTHON_IMAGE=python:3.11-slim-bookworm
 ARG UV_IMAGE=ghcr.io/astral-sh/uv:0.13.9
+ARG NODE_IMAGE=node:24-bookworm-slim
 
 FROM ${UV_IMAGE} AS uv
+
+FROM ${NODE_IMAGE} AS page
+WORKDIR /src/web
+COPY web/package.json web/package-lock.json web/.npmrc ./
+RUN npm ci --no-audit --no-fund
+COPY web ./
+RUN npm run build
 
 FROM ${PYTHON_IMAGE} AS build
 COPY --from=uv /uv /usr/local/bin/uv
@@ -27,6 +35,7 @@ COPY sandbox sandbox
 COPY server server
 COPY store store
 COPY worker worker
+COPY --from=page /src/api/static api/static
 RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --no-editable
 

@@ -5,8 +5,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.synced
+PAGE := api/static/index.html
+PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean
+.PHONY: help demo serve test check bench clean web chromium
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -14,10 +16,15 @@ $(STAMP): pyproject.toml client/pyproject.toml uv.lock scripts/bootstrap_uv.py
 	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" sync --frozen --quiet
 	@touch $@
 
-demo: $(STAMP) ## the main job on the real human body, over HTTP; leaves out/demo/
+$(PAGE): $(STAMP) $(PAGE_SOURCES) scripts/web.py
+	$(BIN)/python scripts/web.py build
+
+web: $(PAGE) ## build the web page into api/static
+
+demo: $(STAMP) $(PAGE) ## the main job on the real human body, over HTTP; leaves out/demo/
 	$(BIN)/python scripts/demo.py
 
-serve: $(STAMP) ## run the embedded server
+serve: $(STAMP) $(PAGE) ## run the embedded server
 	$(BIN)/integument serve
 
 check: $(STAMP) ## style, types, import contracts, drift of openapi/
@@ -26,12 +33,17 @@ check: $(STAMP) ## style, types, import contracts, drift of openapi/
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python scripts/openapi.py --check
+	$(BIN)/python scripts/web.py check
 
-test: check ## everything a release needs
+chromium: $(STAMP) # the browser of tests/web
+	@$(BIN)/python scripts/chromium.py
+
+test: check $(PAGE) chromium ## everything a release needs
+	$(BIN)/python scripts/web.py test
 	$(BIN)/pytest
 
 bench: $(STAMP) ## compare with peers; prints ratios
 	$(BIN)/python -m benchmarks
 
 clean: ## forget the environment and everything made
-	rm -rf $(VENV) .uv out
+	rm -rf $(VENV) .uv out web/node_modules api/static

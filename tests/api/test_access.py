@@ -18,6 +18,7 @@ from sqlalchemy import Connection, event, update
 
 from api.app import create_app
 from api.needed_scope import needed_scope
+from api.page_files import read_page
 from store.api_keys import ApiKeys
 from store.key_text import make_key_text
 from store.records import ApiKeyRow
@@ -142,7 +143,8 @@ def test_a_key_is_good_for_its_scope_and_no_other(lab: Lab, method: str, path: s
 
 
 def test_only_what_is_meant_to_be_open_is_open() -> None:
-    assert {path for method, path in ROUTES if needed_scope(method, path) is None} == {"/healthz", "/readyz"}
+    open_to_all = {path for method, path in ROUTES if needed_scope(method, path) is None}
+    assert open_to_all == {"/healthz", "/readyz", *read_page()}, "supervisors, and what the page is made of"
     assert {path for method, path in ROUTES if needed_scope(method, path) is Scope.ADMIN} == {"/metrics"}
     for method, path in ROUTES:
         if path.startswith("/v1"):

@@ -77,7 +77,9 @@ def test_every_problem_is_declared_as_one(paths: dict[str, dict[str, Any]]) -> N
             assert operation["description"]
 
 
-@pytest.mark.parametrize("path", ["/", "/v2", "/v1/jobs/", "/docs", "/redoc", "/openapi.json", "/v1/..%2fhealthz", "/%00"])
+@pytest.mark.parametrize(
+    "path", ["/assets/nope.js", "/v2", "/v1/jobs/", "/docs", "/redoc", "/openapi.json", "/v1/..%2fhealthz", "/%00"]
+)
 def test_unknown_paths_are_problems(api: Live, path: str) -> None:
     problem_of(httpx.get(api.url + path), 404, "route.not_found")
 

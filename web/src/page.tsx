@@ -1,0 +1,67 @@
+import { useEffect, useRef } from "preact/hooks";
+import icon from "./icon.svg";
+import { MeshesPage } from "./pages/meshes";
+import { KeyDialog, useKeyDialog } from "./parts/key_dialog";
+import { ServerBanner, useServerState } from "./parts/server_state";
+import { ThemeChoice } from "./parts/theme_choice";
+import { type Place, usePlace } from "./router";
+
+const NAVIGATION = [["", "Meshes"]] as const;
+
+function Body({ place }: { place: Place }) {
+  switch (place.path[0]) {
+    case undefined:
+      return <MeshesPage />;
+    default:
+      return (
+        <div class="card empty">
+          <h1>There is no such page</h1>
+          <p>
+            <a href="#/">Back to the meshes</a>
+          </p>
+        </div>
+      );
+  }
+}
+
+export function Page() {
+  const place = usePlace();
+  const server = useServerState();
+  const key = useKeyDialog();
+  const main = useRef<HTMLElement>(null);
+  const here = place.path[0] ?? "";
+  useEffect(() => {
+    document.title = `${NAVIGATION.find(([path]) => path === here)?.[1] ?? "Integument"} · Integument`;
+  }, [here]);
+  return (
+    <>
+      <button type="button" class="skip" onClick={() => main.current?.focus()}>
+        Skip to the content
+      </button>
+      <header class="bar">
+        <a class="brand" href="#/">
+          <img src={icon} alt="" />
+          Integument
+        </a>
+        <nav aria-label="Pages">
+          {NAVIGATION.map(([path, title]) => (
+            <a key={path} href={`#/${path}`} {...(here === path ? { "aria-current": "page" as const } : {})}>
+              {title}
+            </a>
+          ))}
+        </nav>
+        <div class="tools">
+          <button type="button" class="quiet" onClick={key.open}>
+            API key
+          </button>
+          <ThemeChoice />
+        </div>
+      </header>
+      <ServerBanner state={server} />
+      <main ref={main} tabIndex={-1}>
+        <Body place={place} key={key.version} />
+      </main>
+      <KeyDialog {...key} />
+    </>
+  );
+}

@@ -1,0 +1,24 @@
+import { defineConfig } from "vitest/config";
+
+// The page is built into the Python package that serves it; names of assets change with their content.
+export default defineConfig({
+  base: "/",
+  oxc: { jsx: { runtime: "automatic", importSource: "preact" } },
+  worker: { format: "es" },
+  build: {
+    outDir: "../api/static",
+    emptyOutDir: true,
+    target: "es2022",
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 900,
+    rolldownOptions: {
+      output: {
+        codeSplitting: {
+          groups: [{ name: "three", test: /node_modules[\\/]three/ }],
+        },
+      },
+    },
+  },
+  test: { environment: "node", include: ["tests/**/*.test.ts"] },
+});
