@@ -19,7 +19,7 @@ from api.partial_file import sweep_partial_files
 from api.problem_handlers import install_problem_handlers
 from api.request_context import LOOPBACK_HOSTS, RequestContext
 from api.request_folder import sweep_incoming
-from api.routes import callbacks, events, health, jobs, landing, meshes, processes, results, uploads
+from api.routes import callbacks, events, health, jobs, landing, meshes, page, processes, results, uploads
 from api.services import Services, make_services
 from api.version import SERVER_VERSION
 from core.errors import IntegumentError
@@ -61,6 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
     for module in (landing, meshes, uploads, processes, jobs, results, events, callbacks):
         app.include_router(module.router, prefix=BASE)
     app.include_router(health.router)
+    app.include_router(page.page_router())
     install_openapi(app)
     return app
 
