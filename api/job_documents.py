@@ -37,6 +37,9 @@ def describe_job(request: Request, job: Job, queue_position: int | None = None) 
         failure=describe_failure(job),
         timings_s=dict(job.timings_s) if ended else None,
         peak_memory_bytes=job.peak_memory_bytes,
+        queue=job.queue.value,
+        expected_memory_bytes=job.expected_memory_bytes,
+        expected_cpu_s=job.expected_cpu_s,
         links=_links(request, job),
     )
 

@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Any
 
 from core.errors import IntegumentError
+from core.schema.expectation import JobQueue
 from store.workspace import WorkspaceId
 
 
@@ -39,6 +40,7 @@ class MeshInput:
     media_type: str
     file_name: str
     source_sha256: str | None = None
+    faces: int | None = field(default=None, compare=False)  # counted when the job is accepted, not kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,3 +119,6 @@ class Job:
     timings_s: Mapping[str, float]
     peak_memory_bytes: int | None
     event_seq: int
+    queue: JobQueue
+    expected_memory_bytes: int
+    expected_cpu_s: float | None

@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, func, select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
+from core.schema.expectation import UNKNOWN, Expectation
 from store.callback import Subscriber
 from store.claims import Claims
 from store.database import Database
@@ -43,6 +44,7 @@ class Jobs(Claims, Reconciliation):
         mesh_inputs: Iterable[MeshInput] = (),
         max_attempts: int = 2,
         subscriber: Subscriber | None = None,
+        expectation: Expectation = UNKNOWN,
         session: Session | None = None,
     ) -> Job:
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
@@ -72,6 +74,9 @@ class Jobs(Claims, Reconciliation):
                 event_seq=0,
                 output_bytes=0,
                 subscriber=None if subscriber is None else subscriber.describe(),
+                queue=expectation.queue,
+                expected_memory_bytes=expectation.memory_bytes,
+                expected_cpu_s=expectation.cpu_s,
                 mesh_inputs=[
                     JobInputRow(
                         href=mesh.href,

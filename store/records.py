@@ -5,9 +5,10 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, Integer, MetaData, String, Text
+from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, Integer, MetaData, String, Text, text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
+from core.schema.expectation import UNKNOWN
 from store.instant import Instant
 
 Json = JSON(none_as_null=True)  # text on both databases: JSONB would reorder keys, and inputs must come back as they came
@@ -71,7 +72,7 @@ class JobRow(Record):
         CheckConstraint("status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')", name="status_known"),
         CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="running_has_lease"),
         Index(None, "workspace", "created_at", "id"),
-        Index(None, "workspace", "status"),
+        Index(None, "workspace", "status", "queue", "queued_at", "id"),
         Index(None, "workspace", "output_bytes"),
         Index(None, "status", "queued_at", "id"),
     )
@@ -104,6 +105,10 @@ class JobRow(Record):
     event_seq: Mapped[int]
     output_bytes: Mapped[int] = mapped_column(BigInteger)  # of all outputs, for the quota: an index holds the sum
     subscriber: Mapped[dict[str, Any] | None] = mapped_column(Json)  # whom to call back, None: nobody
+    # the database's own defaults stand for what an API of the version before does not say
+    queue: Mapped[str] = mapped_column(String(8), server_default=UNKNOWN.queue.value)
+    expected_memory_bytes: Mapped[int] = mapped_column(BigInteger, server_default=text(str(UNKNOWN.memory_bytes)))
+    expected_cpu_s: Mapped[float | None]
     traceparent: Mapped[str | None] = mapped_column(String(64))  # W3C: the trace of the request that accepted it
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
@@ -112,6 +117,15 @@ class JobRow(Record):
     outputs: Mapped[list[JobOutputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobOutputRow.position"
     )
+
+
+class TurnRow(Record):
+    """When a workspace was last given a worker; rows of its own, so that no claim waits for a request that counts a quota."""
+
+    __tablename__ = "turns"
+
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id), primary_key=True)
+    served_at: Mapped[datetime] = mapped_column(Instant)
 
 
 class JobInputRow(Record):

@@ -16,6 +16,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
+from core.schema.expectation import JobQueue
 from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
 from store.job_tally import count_end
 from store.outbox import tell_subscriber
@@ -166,4 +167,7 @@ def snapshot(row: JobRow) -> Job:
         timings_s=row.timings_s,
         peak_memory_bytes=row.peak_memory_bytes,
         event_seq=row.event_seq,
+        queue=JobQueue(row.queue),
+        expected_memory_bytes=row.expected_memory_bytes,
+        expected_cpu_s=row.expected_cpu_s,
     )

@@ -20,6 +20,7 @@ from api.schemas.execution import ExecuteRequest
 from api.schemas.job import StatusInfo
 from api.schemas.process import Process, ProcessList
 from api.services import Services, ServicesDep
+from api.sizing import size_up
 from api.subscription import read_subscriber
 from api.waiting import has_ended, wait_until
 from store.callback import Subscriber
@@ -87,6 +88,7 @@ def _accept(
         if earlier is not None:
             return services.jobs.get(workspace, str(earlier.body["job"])), True
         stored, meshes = resolve_meshes(services, workspace, inputs)
+        expectation = size_up(services, process.id, stored, meshes)
         with services.db.session() as session:
             job = services.jobs.create(
                 workspace,
@@ -95,6 +97,7 @@ def _accept(
                 mesh_inputs=meshes,
                 max_attempts=services.settings.max_attempts,
                 subscriber=subscriber,
+                expectation=expectation,
                 session=session,
             )
             once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)

@@ -48,6 +48,11 @@ class StatusInfo(Document):
     failure: Failure | None = Field(None, description="Of a failed job")
     timings_s: dict[str, float] | None = Field(None, description="Seconds per phase, once the job ended")
     peak_memory_bytes: int | None = Field(None, alias="peakMemoryBytes")
+    queue: Literal["fast", "heavy"] = Field(description="Jobs of seconds wait apart from jobs of minutes")
+    expected_memory_bytes: int = Field(alias="expectedMemoryBytes", description="A worker takes the job when so much is free")
+    expected_cpu_s: float | None = Field(
+        None, alias="expectedCpuSeconds", description="Processor time one attempt may take, roughly"
+    )
     links: tuple[Link, ...]
 
 
