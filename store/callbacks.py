@@ -37,10 +37,12 @@ class Callbacks:
             return tuple(_callback(row) for row in rows)
 
     def count(self) -> Mapping[CallbackState, int]:
-        """How many there are in each state, all workspaces together."""
+        """How many of all workspaces wait, and how many were given up; the delivered ones, ever more, are not looked at."""
+        counted = (CallbackState.PENDING, CallbackState.DEAD)
+        query = select(CallbackRow.state, func.count()).where(CallbackRow.state.in_(counted)).group_by(CallbackRow.state)
         with self._db.reading() as session:
-            counted = session.execute(select(CallbackRow.state, func.count()).group_by(CallbackRow.state)).all()
-        return dict.fromkeys(CallbackState, 0) | {CallbackState(state): number for state, number in counted}
+            found = session.execute(query).all()
+        return dict.fromkeys(counted, 0) | {CallbackState(state): number for state, number in found}
 
     def any_due(self) -> bool:
         """Whether `claim` is worth a writing transaction."""

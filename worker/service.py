@@ -8,14 +8,18 @@ from typing import Any
 
 from celery.signals import worker_ready, worker_shutting_down
 
+from store.metrics import Metrics
 from store.receivers import Receivers
 from store.settings import Settings
+from store.stored_bytes import StoredBytes
 from worker.app import create_app
 from worker.callback_sender import CallbackSender
 from worker.deliverer import Deliverer
 from worker.liveness import Liveness
+from worker.periodic import Periodic
 from worker.pool import BellTaskPool
-from worker.reconciler import Reconciler
+from worker.presence import Presence
+from worker.reconciler import SWEEP_S, Reconciler
 from worker.workshop import TARGET, Workshop
 
 logger = logging.getLogger(__name__)
@@ -31,9 +35,17 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
     reconciler = Reconciler(workshop, liveness)
     sender = CallbackSender(Receivers(settings.callback_allow), settings.callback_secret)
     deliverer = Deliverer(workshop.callbacks, sender)
+    presence = Presence(workshop)
+    rounds = (
+        Periodic("presence", presence.beat, settings.reconcile_s),
+        Periodic("metrics", Metrics(workshop.db).fold, settings.reconcile_s),
+        Periodic("stored bytes", StoredBytes(workshop.db).measure, SWEEP_S),
+    )
 
     def on_ready(**_: Any) -> None:
         reconciler.start()
+        for one in rounds:
+            one.start()
         if settings.callback_secret:  # else the API takes no subscribers
             deliverer.start()
         logger.info("worker %s is ready, %d jobs at a time", workshop.name, settings.worker_concurrency)
@@ -61,6 +73,9 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
     finally:
         reconciler.stop()
         deliverer.stop(settings.drain_s)
+        for one in rounds:
+            one.stop()
+        presence.leave()
         workshop.nursery.stop()
         for job_id, attempt in workshop.closing.left:
             workshop.announce(job_id, attempt)
