@@ -14,6 +14,7 @@ from api.app import create_app
 from api.binding import require_allowed_binding
 from api.log_format import configure_logging
 from core.errors import IntegumentError
+from sandbox.survey import survey_confinement
 from store.settings import Settings
 
 GRACE_S = 5  # for answers under way; streams and long polls end at once
@@ -37,6 +38,7 @@ def main() -> int:
     try:
         settings = Settings()
         require_allowed_binding(settings)
+        survey_confinement(required=settings.require_confinement)
     except (ValidationError, IntegumentError) as error:
         print(f"python -m api: {error}", file=sys.stderr)
         return 2

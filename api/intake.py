@@ -50,7 +50,7 @@ def parse(services: Services, received: ReceivedFile, unit: str, folder: Path) -
 
     Raises what `core.processes.intake` raises, LimitError `limit.*`, InternalError `child.*`, `nursery.*`."""
     payload = {"path": str(received.path), "file_name": received.file_name, "unit": unit, "out_dir": str(folder)}
-    told = call(services.nursery, TARGET, payload, limits_of(services), folder)
+    told = call(services.nursery, TARGET, payload, limits_of(services), folder, readable=[received.path])
     mesh: dict[str, Any] = told["meshes"][0]
     x, y, z = mesh["extents_mm"]
     return MeshUpload(

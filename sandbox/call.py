@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +22,14 @@ def call(
     limits: Limits,
     scratch: Path,
     listener: Callable[[Message], None] | None = None,
+    readable: Iterable[Path] = (),
 ) -> dict[str, Any]:
-    """Run `target` to its end and return what it returned; `listener` hears its events.
+    """Run `target` to its end and return what it returned; `listener` hears its events; `readable`: inputs outside `scratch`.
 
     Raises the IntegumentError the target raised, LimitError limit.memory | cpu_time | wall_time | file_size,
     InternalError child.crashed | child.raised | nursery.*."""
     overrun: LimitError | None = None
-    with nursery.spawn(target, payload, limits, scratch) as child:
+    with nursery.spawn(target, payload, limits, scratch, readable) as child:
         while (outcome := child.outcome()) is None:
             for event in child.events(WATCH_S):
                 if listener is not None:

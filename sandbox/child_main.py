@@ -18,6 +18,7 @@ from sandbox.confinement import EVENTS_FD, keep_only, release_reserve, restrict,
 from sandbox.limits import Limits
 from sandbox.messages import Message
 from sandbox.request import Request
+from sandbox.survey import not_confined
 
 logger = logging.getLogger(__name__)  # written to the child's own log
 
@@ -47,7 +48,9 @@ def run_child(request: Request, events: int, payload: int, nursery_pid: int) -> 
 def _attempt(request: Request, parcel: bytes, channel: Channel) -> Message:
     """The last message: the target's result, or the error that says why there is none."""
     try:
-        restrict(request.limits, Path(request.scratch))
+        missing = restrict(request.limits, Path(request.scratch), map(Path, request.readable), request.target)
+        if missing and request.must_be_confined:
+            raise not_confined(missing)
         result = _load(request.target)(json.loads(parcel), channel)
         message: Message = {"kind": "result", "result": result}
         json.dumps(message, allow_nan=False)

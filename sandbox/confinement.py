@@ -1,4 +1,4 @@
-"""What a freshly forked child gives up before it looks at anybody's data."""
+"""What a freshly forked child gives up before it looks at anybody's data (docs/adr/0009-confined-children.md)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ import logging
 import os
 import resource
 import signal
+from collections.abc import Iterable
 from pathlib import Path
 
+from sandbox.call_filter import refuse_calls
+from sandbox.capabilities import drop_capabilities
 from sandbox.kernel import (
     CLONE_NEWNET,
     CLONE_NEWUSER,
@@ -18,7 +21,11 @@ from sandbox.kernel import (
     set_process_flag,
     unshare,
 )
+from sandbox.kernel_cache import keep_kernels_in_memory
+from sandbox.landlock import confine_files
 from sandbox.limits import MIB, Limits
+from sandbox.survey import NO_FILTER, NO_LANDLOCK
+from sandbox.visible_files import WRITABLE, visible_files
 
 logger = logging.getLogger(__name__)
 
@@ -53,8 +60,11 @@ def keep_only(events: int, scratch: Path) -> None:
     faulthandler.enable(file=2, all_threads=True)
 
 
-def restrict(limits: Limits, scratch: Path) -> None:
-    """Working folder, environment, resource limits, network; raises OSError or ValueError when the system refuses."""
+def restrict(limits: Limits, scratch: Path, readable: Iterable[Path], target: str) -> list[str]:
+    """Working folder, environment, resource limits, network, powers, files, system calls, in this order.
+
+    `readable`: inputs outside `scratch`. Returns what this kernel cannot do, in words; raises OSError or ValueError when it
+    refuses."""
     os.chdir(scratch)
     os.umask(0o077)
     os.environ["TMPDIR"] = str(scratch)
@@ -65,6 +75,16 @@ def restrict(limits: Limits, scratch: Path) -> None:
     _limit(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + CPU_GRACE_S)
     warm = address_space_bytes()
     _limit(resource.RLIMIT_AS, warm + limits.memory_bytes, warm + limits.memory_bytes + MEMORY_RESERVE_BYTES)
+    keep_kernels_in_memory()
+    drop_capabilities()
+    missing = []
+    if confine_files([*visible_files(target), *readable], [scratch, *map(Path, WRITABLE)]) == 0:
+        missing.append(NO_LANDLOCK)
+    if not refuse_calls(forks=limits.forks):
+        missing.append(NO_FILTER)
+    for lack in missing:
+        logger.warning("not confined: %s", lack)
+    return missing
 
 
 def release_reserve() -> None:

@@ -10,6 +10,7 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 # <linux/prctl.h>
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
+PR_CAPBSET_DROP = 24
 PR_SET_NO_NEW_PRIVS = 38
 # <linux/sched.h>
 CLONE_NEWUSER = 0x1000_0000
@@ -20,6 +21,14 @@ def set_process_flag(option: int, value: int) -> None:
     """prctl(option, value); raises OSError."""
     if _LIBC.prctl(option, ctypes.c_ulong(value), ctypes.c_ulong(0), ctypes.c_ulong(0), ctypes.c_ulong(0)) != 0:
         raise OSError(ctypes.get_errno(), f"prctl({option}): {os.strerror(ctypes.get_errno())}")
+
+
+def system_call(number: int, *arguments: int) -> int:
+    """A system call the C library has no name for; raises OSError."""
+    result: int = _LIBC.syscall(ctypes.c_long(number), *map(ctypes.c_long, arguments))
+    if result < 0:
+        raise OSError(ctypes.get_errno(), f"system call {number}: {os.strerror(ctypes.get_errno())}")
+    return result
 
 
 def unshare(flags: int) -> None:

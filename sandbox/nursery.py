@@ -15,7 +15,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,19 @@ class Nursery:
     """Starts limited children; safe to use from several threads. Starts itself on the first spawn, and again if it died."""
 
     def __init__(
-        self, preload: Sequence[str] = ("core.processes.registry",), threads: int = 1, ready_timeout_s: float = 300.0
+        self,
+        preload: Sequence[str] = ("core.processes.registry",),
+        threads: int = 1,
+        ready_timeout_s: float = 300.0,
+        *,
+        require_confinement: bool = False,
     ) -> None:
-        """`preload`: modules to import before the first fork, each with an optional `warm_up()`; `threads`: per numeric pool."""
+        """`preload`: modules to import before the first fork, each with an optional `warm_up()`; `threads`: per numeric pool;
+        `require_confinement`: children that the kernel cannot lock in refuse to work (`confinement.missing`)."""
         self._preload = tuple(preload)
         self._threads = threads
         self._ready_timeout_s = ready_timeout_s
+        self._require_confinement = require_confinement
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
@@ -78,11 +85,15 @@ class Nursery:
         with control:
             return bool(select.select([control], [], [], timeout_s)[0])
 
-    def spawn(self, target: str, payload: Mapping[str, Any], limits: Limits, scratch: Path) -> Child:
+    def spawn(
+        self, target: str, payload: Mapping[str, Any], limits: Limits, scratch: Path, readable: Iterable[Path] = ()
+    ) -> Child:
         """Fork a child that runs `target` ("module:function") on `payload` in the existing folder `scratch`.
 
+        It can write there alone and read only that, the files and folders `readable`, and its own code.
         Raises InternalError: nursery.preload_failed, nursery.not_ready, nursery.fork_failed, nursery.lost."""
-        request = Request(target, limits, str(scratch)).encode()
+        inputs = tuple(str(path.absolute()) for path in readable)
+        request = Request(target, limits, str(scratch.absolute()), inputs, self._require_confinement).encode()
         parcel = json.dumps(payload, allow_nan=False).encode()
         for _ in range(2):  # a nursery that died since the last call is replaced once
             status, events = self._ask(request, parcel)

@@ -12,11 +12,13 @@ MAX_REQUEST_BYTES = 64 * 1024  # target, limits and a path; the payload travels 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Run `target` ("module:function") within `limits`, in the folder `scratch`."""
+    """Run `target` ("module:function") within `limits`, in the folder `scratch`; `readable`: inputs that lie elsewhere."""
 
     target: str
     limits: Limits
     scratch: str
+    readable: tuple[str, ...] = ()
+    must_be_confined: bool = False  # rather no work than work the kernel cannot lock in
 
     def encode(self) -> bytes:
         """The datagram; its file descriptors go along: event pipe, payload, status socket."""
@@ -26,4 +28,5 @@ class Request:
     def decode(cls, datagram: bytes) -> Request:
         """The inverse of `encode`."""
         fields = json.loads(datagram)
-        return cls(target=fields["target"], limits=Limits(**fields["limits"]), scratch=fields["scratch"])
+        limits, readable = Limits(**fields.pop("limits")), tuple(fields.pop("readable"))
+        return cls(limits=limits, readable=readable, **fields)

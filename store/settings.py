@@ -149,6 +149,10 @@ class Settings(BaseSettings):
     job_cpu_s: Seconds = Field(3600.0, description="CPU time of one attempt")
     job_wall_s: Seconds = Field(3600.0, description="Wall time of one attempt")
     job_file_bytes: Size = Field(ByteSize(8 * GIB), description="Largest file a job may write")
+    require_confinement: bool = Field(
+        False,
+        description="`true`: rather no work than work whose child the kernel cannot lock in (Landlock, filter of system calls)",
+    )
     lease_s: Seconds = Field(30.0, description="A worker silent for this long has lost its job")
     heartbeat_s: Seconds = Field(1.0, description="How often a worker renews its lease and looks for a dismissal")
     drain_s: Seconds = Field(30.0, description="How long the jobs of a worker that is told to stop may still run")

@@ -6,12 +6,14 @@ import argparse
 import logging
 import sys
 
+from core.errors import IntegumentError
+from sandbox.survey import survey_confinement
 from store.settings import Settings
 from worker.liveness import Liveness
 
 
 def main() -> int:
-    """0, or 1 where --check finds no living worker on this host."""
+    """0; 1 where --check finds no living worker on this host; 2 if the host cannot do what the settings ask."""
     parser = argparse.ArgumentParser(prog="python -m worker", description=__doc__)
     parser.add_argument("--check", action="store_true", help="only say, by exit code, whether the worker of this host lives")
     arguments = parser.parse_args()
@@ -19,6 +21,11 @@ def main() -> int:
     if arguments.check:
         return 0 if Liveness(settings).is_fresh() else 1
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    try:
+        survey_confinement(required=settings.require_confinement)
+    except IntegumentError as error:
+        print(f"python -m worker: {error}", file=sys.stderr)
+        return 2
     from worker.service import run_worker
 
     return run_worker(settings)

@@ -78,7 +78,10 @@ class _Attempt:
     def _work(self, folder: Path) -> Outcome:
         """The child from spawn to end; its error is replaced by the limit it was killed for."""
         self._await_nursery()
-        child = self._workshop.nursery.spawn(self._workshop.target, self._payload(folder), self._workshop.limits, folder)
+        payload = self._payload(folder)
+        kept = payload.get("checkpoints", {}).get("kept", {})
+        inputs = [*(Path(mesh["path"]) for mesh in payload["meshes"].values()), *map(Path, kept.values())]
+        child = self._workshop.nursery.spawn(self._workshop.target, payload, self._workshop.limits, folder, inputs)
         overrun: IntegumentError | None = None
         with child:
             while (outcome := child.outcome()) is None:

@@ -56,7 +56,9 @@ class Workshop:
             audit=Audit(db),
             keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),
-            nursery=Nursery((target.partition(":")[0],) if preload is None else preload),
+            nursery=Nursery(
+                (target.partition(":")[0],) if preload is None else preload, require_confinement=settings.require_confinement
+            ),
             closing=Closing(settings.drain_s),
             name=f"{socket.gethostname()}:{os.getpid()}",
             target=target,

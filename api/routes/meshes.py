@@ -179,13 +179,14 @@ def _original(services: Services, record: MeshRecord) -> Download:
 
 def _export(services: Services, record: MeshRecord, file_format: str, folder: Path) -> Download:
     path = folder / "export"
+    canonical = services.blobs.fetch(record.canonical_sha256, folder).absolute()
     payload = {
-        "path": str(services.blobs.fetch(record.canonical_sha256, folder).absolute()),
+        "path": str(canonical),
         "out_path": str(path),
         "format": file_format,
         "name": record.name,
     }
-    told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder)
+    told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder, readable=[canonical])
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     return Download(partial(read_file, path), path.stat().st_size, sha256, told["media_type"], record.name + told["extension"])

@@ -21,7 +21,8 @@ def nursery() -> Iterator[Nursery]:
 
 @pytest.fixture
 def limits() -> Limits:
-    return Limits(memory_bytes=GIB, cpu_s=20, file_bytes=32 * MIB, wall_s=20)
+    """With forks: what ends, counts and reaps a family must hold where the kernel cannot forbid families."""
+    return Limits(memory_bytes=GIB, cpu_s=20, file_bytes=32 * MIB, wall_s=20, forks=True)
 
 
 @pytest.fixture

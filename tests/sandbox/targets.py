@@ -6,7 +6,6 @@ import ctypes
 import os
 import resource
 import signal
-import socket
 import time
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,6 @@ def echo(payload: Payload, channel: Channel) -> Payload:
 
 
 def describe_surroundings(payload: Payload, channel: Channel) -> Payload:
-    interfaces = [name for _, name in socket.if_nameindex()]
     return {
         "pid": os.getpid(),
         "session": os.getsid(0),
@@ -39,7 +37,7 @@ def describe_surroundings(payload: Payload, channel: Channel) -> Payload:
         "open_files": resource.getrlimit(resource.RLIMIT_NOFILE)[0],
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "oom_score": int(Path("/proc/self/oom_score_adj").read_text()),
-        "interfaces_up": [name for name in interfaces if name != "lo"],
+        "network": os.readlink("/proc/self/ns/net"),
     }
 
 

@@ -58,7 +58,7 @@ from pathlib import Path
 from sandbox.limits import Limits
 from sandbox.nursery import Nursery
 nursery = Nursery(())
-child = nursery.spawn("{TARGETS}leave_grandchildren", {{"wait": True}}, Limits(), Path({str(tmp_path)!r}))
+child = nursery.spawn("{TARGETS}leave_grandchildren", {{"wait": True}}, Limits(forks=True), Path({str(tmp_path)!r}))
 print(nursery.pid, child.pid, child.events(10.0)[0]["message"], flush=True)
 time.sleep(60)
 """

@@ -1,0 +1,55 @@
+"""What of the host's files a child may read: the Python it runs on, our own packages, and what its libraries look at.
+
+Not the folder of data, not the settings, not another job's scratch, no home, no /proc but its own.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
+
+SYSTEM = (
+    *("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/share/zoneinfo", "/usr/share/fonts", "/usr/share/fontconfig"),
+    *("/etc/ld.so.cache", "/etc/localtime", "/etc/fonts", "/etc/mime.types"),
+    *("/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/sys/vm/overcommit_memory", "/sys/devices/system/cpu"),
+    *("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random"),
+)
+CACHE_VARIABLES = ("NUMBA_CACHE_DIR", "MPLCONFIGDIR")
+CACHES = ("numba", "matplotlib")  # below the user's folder for caches
+WRITABLE = ("/dev/null",)
+PACKAGE_FOLDERS = ("site-packages", "dist-packages")
+
+
+def visible_files(target: str) -> list[Path]:
+    """Files and folders that a child running `target` ("module:function") may read besides its scratch folder and its inputs."""
+    found = [Path(place) for place in SYSTEM]
+    found += [Path(prefix) for prefix in {sys.prefix, sys.exec_prefix, sys.base_prefix, sys.base_exec_prefix}]
+    found += [Path(entry) for entry in sys.path if Path(entry).name in PACKAGE_FOLDERS]
+    found += [Path(entry) for entry in os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if entry]
+    found += [Path(os.environ[name]) for name in CACHE_VARIABLES if os.environ.get(name)]
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    found += [caches / name for name in CACHES]
+    found += _own_packages(target.partition(".")[0].partition(":")[0])
+    return sorted(set(found))
+
+
+def _own_packages(target: str) -> Iterator[Path]:
+    """Where the loaded modules come from that are installed nowhere, package by package: their parent may hold anything."""
+    for name, module in list(sys.modules.items()):
+        if "." not in name:
+            yield from _places(module)
+    if target not in sys.modules and (spec := find_spec(target)) is not None:
+        yield from map(Path, spec.submodule_search_locations or ([spec.origin] if spec.origin else []))
+
+
+def _places(module: ModuleType) -> Iterator[Path]:
+    if getattr(module, "__name__", "") == "__main__":
+        return
+    if paths := getattr(module, "__path__", None):
+        yield from map(Path, paths)
+    elif file := getattr(module, "__file__", None):
+        yield Path(file)
