@@ -94,7 +94,7 @@ def make_services(settings: Settings) -> Services:
         backlog=Backlog(db),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
         doorbell=Doorbell(settings.broker_url, settings.queue),
-        nursery=Nursery(preload=INTAKE_MODULES),
+        nursery=Nursery(preload=INTAKE_MODULES, require_confinement=settings.require_confinement),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
         trail=AuditTrail(Audit(db)),
