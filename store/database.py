@@ -63,6 +63,14 @@ class Database:
         with _translated(), Session(self._reader) as session, session.begin():
             yield session
 
+    @contextmanager
+    def snapshot(self) -> Iterator[Session]:
+        """One transaction that only reads, and sees one moment to its end however long it lasts."""
+        one_moment = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+        engine = self._reader if self.is_sqlite else self.engine.execution_options(**one_moment)
+        with _translated(), Session(engine) as session, session.begin():
+            yield session
+
     def now(self, session: Session) -> datetime:
         """The moment by the clock all users of the database share: leases of many hosts are compared by one clock."""
         if self.is_sqlite:
@@ -70,10 +78,10 @@ class Database:
         moment: datetime = session.execute(select(func.clock_timestamp())).scalar_one()
         return moment.astimezone(UTC)
 
-    def migrate(self) -> None:
+    def migrate(self, revision: str = "head") -> None:
         """Bring the tables to what this code expects, in one transaction. Safe to call from anywhere at once."""
         with self._migrating() as config:
-            command.upgrade(config, "head")
+            command.upgrade(config, revision)
 
     def revert(self, revision: str) -> None:
         """Bring the tables back to an older revision, `base` for none at all; what the older tables cannot hold is lost."""
@@ -99,6 +107,17 @@ class Database:
         with _translated(), self._reader.connect() as connection:
             current = MigrationContext.configure(connection).get_current_revision()
             return current == ScriptDirectory.from_config(_alembic(connection)).get_current_head()
+
+    def revision(self) -> str:
+        """Of the tables; empty if there are none."""
+        with _translated(), self._reader.connect() as connection:
+            return MigrationContext.configure(connection).get_current_revision() or ""
+
+    def knows(self, revision: str) -> bool:
+        """Whether this code has tables of that revision, or can bring them to its own."""
+        with _translated(), self._reader.connect() as connection:
+            scripts = ScriptDirectory.from_config(_alembic(connection))
+            return revision in {script.revision for script in scripts.walk_revisions()}
 
     def ping(self) -> None:
         """Raises InternalError `database.unavailable` if the database does not answer."""

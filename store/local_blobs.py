@@ -35,13 +35,14 @@ class LocalBlobs:
     def put_file(self, path: Path) -> Blob:
         """As `Blobs` says."""
         with open_regular_file(path) as file:
-            return self._put(file.read)
+            return self.put_stream(file.read)
 
     def put_bytes(self, data: bytes) -> Blob:
         """As `Blobs` says."""
-        return self._put(io.BytesIO(data).read)
+        return self.put_stream(io.BytesIO(data).read)
 
-    def _put(self, read: Callable[[int], bytes]) -> Blob:
+    def put_stream(self, read: Callable[[int], bytes]) -> Blob:
+        """What `read` gives, piece by piece. Raises LimitError `storage.full`."""
         digest, size = hashlib.sha256(), 0
         try:
             handle, name = tempfile.mkstemp(dir=self._incoming)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sqlalchemy import select, union
+from sqlalchemy.orm import Session
 
 from store.database import Database
 from store.records import JobInputRow, JobOutputRow, MeshRow
@@ -16,11 +17,15 @@ class References:
 
     def all(self) -> frozenset[str]:
         """The blobs some mesh, job input or job output refers to: what `Blobs.sweep` must keep."""
+        with self._db.reading() as session:
+            return self.seen_by(session)
+
+    def seen_by(self, session: Session) -> frozenset[str]:
+        """The same, as that transaction sees the tables."""
         query = union(
             select(MeshRow.sha256),
             select(MeshRow.canonical_sha256),
             select(JobInputRow.sha256),
             select(JobOutputRow.sha256),
         )
-        with self._db.reading() as session:
-            return frozenset(session.scalars(query))
+        return frozenset(session.scalars(query))

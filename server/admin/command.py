@@ -11,13 +11,13 @@ from types import ModuleType
 from pydantic import ValidationError
 
 from core.errors import InputError, IntegumentError, StateError
-from server.admin import audit, jobs, keys, workspaces
+from server.admin import audit, backup, jobs, keys, workspaces
 from server.admin.desk import Desk
 from store.database import Database
 from store.settings import Settings
 
-GROUPS: tuple[ModuleType, ...] = (keys, workspaces, jobs, audit)
-"""Each has `register(groups)`, which adds its commands; `run(desk, options)` is what one does."""
+GROUPS: tuple[ModuleType, ...] = (keys, workspaces, jobs, audit, backup)
+"""Each has `register(groups)`, which adds its commands; `run(desk, options)` is what one does, and may return the exit code."""
 
 DESCRIPTION = """\
 What only whoever runs the server may do. It works on the database the settings of the server name (INTEGUMENT_DATA_DIR or
@@ -26,7 +26,7 @@ INTEGUMENT_DATABASE_URL), so run it where the server runs, as its user; the serv
 
 
 def admin(arguments: Sequence[str] | None = None) -> int:
-    """Run one command. Exit codes: 0 done, 1 the database failed, 2 bad usage or the request was at fault."""
+    """Run one command. Exit codes: 0 done, 1 something failed or was found wrong, 2 bad usage or the request was at fault."""
     try:
         options = _parser().parse_args(arguments)
     except SystemExit as end:  # argparse has said why
@@ -39,13 +39,13 @@ def admin(arguments: Sequence[str] | None = None) -> int:
     database = Database(settings)
     try:
         database.migrate()  # the first key is often made before the first start
-        options.run(Desk(settings, database, options.as_json), options)
+        code: int | None = options.run(Desk(settings, database, options.as_json), options)
     except IntegumentError as error:
         print(f"integument admin: {error.message} [{error.code}]", file=sys.stderr)
         return 2 if isinstance(error, InputError | StateError) else 1
     finally:
         database.close()
-    return 0
+    return code or 0
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,0 +1,1 @@
+"""Copies of everything that outlives a process, and the way back: rows as text, files by their hash."""
