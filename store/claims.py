@@ -6,17 +6,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import timedelta
 
-from sqlalchemy import select, update
+from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
-from store.job_tally import count_attempt
-from store.outbox import tell_subscriber
+from store.lost_attempt import DEADLY, LastWords, park_if_deadly, record_loss
 from store.records import JobRow
 from store.storable import storable, storable_text
+from store.taking import take
 from store.transition import (
     NewEvent,
-    announce,
     append_events,
     end,
     end_dismissed,
@@ -36,6 +36,7 @@ class Renewal:
     dismiss_requested: bool
 
 
+NOTHING_SAID = LastWords()
 LOST = Renewal(kept=False, dismiss_requested=False)
 
 
@@ -46,32 +47,10 @@ class Claims:
         self._db = db
 
     def claim(self, job_id: str, attempt: int, worker: str, lease_s: float) -> Job | None:
-        """Take an accepted job for `lease_s`; None if it is taken, gone, or waits for another attempt: drop the message.
-
-        One conditional UPDATE decides, so of any number of callers one wins. Every later write names the job's `lease_token`."""
+        """Take this accepted job for `lease_s`, whoever's turn it is; None if it is taken, gone, or waits for another attempt."""
         with self._db.session() as session:
-            now = self._db.now(session)
-            row = session.scalars(
-                update(JobRow)
-                .where(JobRow.id == job_id, JobRow.attempt == attempt, JobRow.status == JobStatus.ACCEPTED)
-                .values(
-                    status=JobStatus.RUNNING,
-                    lease_owner=worker,
-                    lease_token=JobRow.lease_token + 1,
-                    lease_until=now + timedelta(seconds=lease_s),
-                    started_at=now,
-                    phase="start",
-                    progress=0.0,
-                    message=f"attempt {attempt} started",
-                )
-                .returning(JobRow)
-            ).one_or_none()
-            if row is None:
-                return None
-            announce(session, row, now)
-            tell_subscriber(session, row, now)
-            count_attempt(session, row, now)
-            return snapshot(row)
+            row = take(session, job_id, attempt, worker, lease_s, self._db.now(session))
+            return None if row is None else snapshot(row)
 
     def renew(
         self,
@@ -125,11 +104,12 @@ class Claims:
     ) -> bool:
         """Record success; the blobs must be stored already.
 
-        False if the lease is lost, or the user dismissed the job meanwhile: then it is recorded as dismissed."""
+        False if the lease is lost, or the user dismissed the job meanwhile: then it is recorded as dismissed. True, and nothing
+        is written, if this very claim has recorded it before: the answer to that may have been lost on its way."""
         with self._db.session() as session:
             row = held(session, job_id, token)
             if row is None:
-                return False
+                return _has_finished(session, job_id, token)
             now = self._db.now(session)
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
@@ -150,8 +130,11 @@ class Claims:
         timings_s: Mapping[str, float] | None = None,
         peak_memory_bytes: int | None = None,
         retry: bool = False,
+        last_words: LastWords = NOTHING_SAID,
     ) -> Job | None:
         """Record a failure with the report it left. With `retry` and attempts left, the job is queued again instead.
+
+        A failure that took down the child is kept as evidence with its `last_words`; the last one parks the request.
 
         Returns the job as it is now, dismissed if the user asked for that meanwhile; None if the lease is lost."""
         with self._db.session() as session:
@@ -159,6 +142,8 @@ class Claims:
             if row is None:
                 return None
             now = self._db.now(session)
+            if failure.code in DEADLY and not row.dismiss_requested:
+                record_loss(session, row, failure.code, failure.message, last_words, now)
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
             elif retry and row.attempt < row.max_attempts:
@@ -167,6 +152,7 @@ class Claims:
                 row.timings_s, row.peak_memory_bytes = storable(dict(timings_s or {})), peak_memory_bytes
                 keep_outputs(row, outputs or {})
                 end_failed(session, row, failure, now)
+                park_if_deadly(session, row, failure.code, now)
             return snapshot(row)
 
     def release(self, job_id: str, token: int) -> bool:
@@ -198,3 +184,8 @@ class Claims:
                 return False
             end_dismissed(session, row, self._db.now(session))
             return True
+
+
+def _has_finished(session: Session, job_id: str, token: int) -> bool:
+    finished = (JobRow.id == job_id, JobRow.lease_token == token, JobRow.status == JobStatus.SUCCESSFUL)
+    return session.scalars(select(JobRow.id).where(*finished)).one_or_none() is not None

@@ -12,19 +12,21 @@ from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from core.schema.expectation import UNKNOWN, Expectation
+from store.admission import Admission
 from store.callback import Subscriber
 from store.claims import Claims
 from store.database import Database
+from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
-from store.transition import announce, end_dismissed, owned, queue_again, snapshot
+from store.transition import announce, end_dismissed, no_such_job, owned, queue_again, snapshot
 from store.workspace import WorkspaceId
 
 
-class Jobs(Claims, Reconciliation):
+class Jobs(Admission, Claims, Reconciliation):
     """Every state change commits together with its event. Thread-safe.
 
     To a workspace the jobs of others do not exist: they are looked for by id and workspace in one query, so what is foreign
@@ -50,6 +52,7 @@ class Jobs(Claims, Reconciliation):
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
 
         Raises LimitError `quota.jobs`, `quota.bytes`."""
+        meshes = {mesh.href: mesh for mesh in mesh_inputs}.values()
         with self._db.session(session) as work:
             if self._quotas is not None:
                 self._quotas.require_room_for_job(workspace, work)
@@ -59,6 +62,7 @@ class Jobs(Claims, Reconciliation):
                 workspace=workspace,
                 process=process,
                 inputs=dict(inputs),
+                fingerprint=fingerprint_of(process, inputs, meshes),
                 status=JobStatus.ACCEPTED,
                 phase="",
                 progress=0.0,
@@ -73,6 +77,7 @@ class Jobs(Claims, Reconciliation):
                 timings_s={},
                 event_seq=0,
                 output_bytes=0,
+                outputs=[],  # said, or they are looked for
                 subscriber=None if subscriber is None else subscriber.describe(),
                 queue=expectation.queue,
                 expected_memory_bytes=expectation.memory_bytes,
@@ -86,7 +91,7 @@ class Jobs(Claims, Reconciliation):
                         file_name=mesh.file_name,
                         source_sha256=mesh.source_sha256,
                     )
-                    for mesh in {mesh.href: mesh for mesh in mesh_inputs}.values()
+                    for mesh in meshes
                 ],
             )
             work.add(row)
@@ -131,7 +136,11 @@ class Jobs(Claims, Reconciliation):
     def queue_position(self, workspace: WorkspaceId, job_id: str) -> int | None:
         """1 for the job that is next, those of all workspaces counted; None if the job does not wait."""
         with self._db.reading() as session:
-            row = owned(session, workspace, job_id)
+            row = session.execute(
+                select(JobRow.id, JobRow.status, JobRow.queued_at).where(JobRow.id == job_id, JobRow.workspace == workspace)
+            ).one_or_none()
+            if row is None:
+                raise no_such_job(job_id)
             if row.status != JobStatus.ACCEPTED:
                 return None
             earlier: ColumnElement[bool] = tuple_(JobRow.queued_at, JobRow.id) < (row.queued_at, row.id)

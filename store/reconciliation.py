@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from datetime import datetime, timedelta
 
-from sqlalchemy import or_, select, update
+from sqlalchemy import or_, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from core.errors import InternalError
 from store.database import Database
 from store.job import Job, JobFailure, JobStatus
 from store.job_tally import count_expiry
+from store.lost_attempt import LastWords, park_if_deadly, record_loss
 from store.records import JobRow
 from store.transition import end_dismissed, end_failed, queue_again, snapshot
 
@@ -54,6 +56,15 @@ class Reconciliation:
                 .values(rung_at=self._db.now(session))
             )
 
+    def mark_all_rung(self, attempts: Iterable[tuple[str, int]]) -> None:
+        """The same for many (job id, attempt), in one transaction."""
+        with self._db.session() as session:
+            session.execute(
+                update(JobRow)
+                .where(tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED)
+                .values(rung_at=self._db.now(session))
+            )
+
     def expire_leases(self, now: datetime | None = None) -> list[Job]:
         """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`."""
         with self._db.session() as session:
@@ -72,12 +83,16 @@ class Reconciliation:
         rows = session.scalars(lapsed.with_for_update(skip_locked=True)).all()
         for row in rows:
             count_expiry(session, row)
+            if not row.dismiss_requested:
+                record_loss(session, row, "worker.lost", "its worker fell silent", LastWords(), now)
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
             elif row.attempt < row.max_attempts:
                 queue_again(session, row, row.attempt + 1, f"worker of attempt {row.attempt} was lost", now)
             else:
                 end_failed(session, row, _lost(row), now)
+                if lapsed_at is not None:  # else the whole service went down, and many things may have done that
+                    park_if_deadly(session, row, "worker.lost", now)
         return [snapshot(row) for row in rows]
 
 

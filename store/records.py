@@ -74,6 +74,7 @@ class JobRow(Record):
         Index(None, "workspace", "created_at", "id"),
         Index(None, "workspace", "status", "queue", "queued_at", "id"),
         Index(None, "workspace", "output_bytes"),
+        Index(None, "workspace", "fingerprint"),
         Index(None, "status", "queued_at", "id"),
     )
 
@@ -110,6 +111,7 @@ class JobRow(Record):
     expected_memory_bytes: Mapped[int] = mapped_column(BigInteger, server_default=text(str(UNKNOWN.memory_bytes)))
     expected_cpu_s: Mapped[float | None]
     traceparent: Mapped[str | None] = mapped_column(String(64))  # W3C: the trace of the request that accepted it
+    fingerprint: Mapped[str | None] = mapped_column(Digest)  # of what is asked for, by content; None: accepted by an older server
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
@@ -154,6 +156,62 @@ class JobOutputRow(Record):
     size: Mapped[int] = mapped_column(BigInteger)
     media_type: Mapped[str] = mapped_column(String(100))
     file_name: Mapped[str] = mapped_column(Text)
+
+
+class JobCheckpointRow(Record):
+    """The output of a finished step of a job that has not succeeded yet."""
+
+    __tablename__ = "job_checkpoints"
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    key: Mapped[str] = mapped_column(Digest, primary_key=True)
+    stage: Mapped[str] = mapped_column(Text)
+    sha256: Mapped[str] = mapped_column(Digest)
+    size: Mapped[int] = mapped_column(BigInteger)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class JobAttemptRow(Record):
+    """An attempt that took its worker or its child down."""
+
+    __tablename__ = "job_attempts"
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    attempt: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    worker: Mapped[str] = mapped_column(Text)
+    code: Mapped[str] = mapped_column(String(64))
+    message: Mapped[str] = mapped_column(Text)
+    signal: Mapped[str | None] = mapped_column(String(32))
+    phase: Mapped[str] = mapped_column(Text)
+    progress: Mapped[float]
+    peak_memory_bytes: Mapped[int | None] = mapped_column(BigInteger)
+    log: Mapped[str] = mapped_column(Text)
+    started_at: Mapped[datetime | None] = mapped_column(Instant)
+    ended_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class ParkedRow(Record):
+    """A request that is refused because it took its workers down. Refers to no job: it stays when that is removed."""
+
+    __tablename__ = "parked"
+
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(Digest, primary_key=True)
+    process: Mapped[str] = mapped_column(String(64))
+    job_id: Mapped[str] = mapped_column(Identifier, index=True)
+    code: Mapped[str] = mapped_column(String(64))
+    evidence: Mapped[list[dict[str, Any]]] = mapped_column(Json)
+    parked_at: Mapped[datetime] = mapped_column(Instant)
+
+
+class LeaderRow(Record):
+    """Which worker does what one is enough for, and until when it may."""
+
+    __tablename__ = "leaders"
+
+    office: Mapped[str] = mapped_column(String(32), primary_key=True)
+    holder: Mapped[str] = mapped_column(Text)
+    until: Mapped[datetime] = mapped_column(Instant)
 
 
 class EventRow(Record):

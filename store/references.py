@@ -6,7 +6,7 @@ from sqlalchemy import select, union
 from sqlalchemy.orm import Session
 
 from store.database import Database
-from store.records import JobInputRow, JobOutputRow, MeshRow
+from store.records import JobCheckpointRow, JobInputRow, JobOutputRow, MeshRow
 
 
 class References:
@@ -16,7 +16,7 @@ class References:
         self._db = db
 
     def all(self) -> frozenset[str]:
-        """The blobs some mesh, job input or job output refers to: what `Blobs.sweep` must keep."""
+        """The blobs some mesh, job input, output or checkpoint refers to: what `Blobs.sweep` must keep."""
         with self._db.reading() as session:
             return self.seen_by(session)
 
@@ -27,5 +27,6 @@ class References:
             select(MeshRow.canonical_sha256),
             select(JobInputRow.sha256),
             select(JobOutputRow.sha256),
+            select(JobCheckpointRow.sha256),
         )
         return frozenset(session.scalars(query))

@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from core.schema.expectation import JobQueue
+from store.checkpoint import forget_checkpoints
 from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
 from store.job_tally import count_end
 from store.outbox import tell_subscriber
@@ -36,8 +37,13 @@ def owned(session: Session, workspace: WorkspaceId, job_id: str, *, lock: bool =
     query = select(JobRow).where(JobRow.id == job_id, JobRow.workspace == workspace)
     row = session.scalars(query.with_for_update() if lock else query).one_or_none()
     if row is None:
-        raise StateError("job.not_found", f"there is no job {job_id}", job=job_id)
+        raise no_such_job(job_id)
     return row
+
+
+def no_such_job(job_id: str) -> StateError:
+    """The same words for what is foreign and for what is not there."""
+    return StateError("job.not_found", f"there is no job {job_id}", job=job_id)
 
 
 def held(session: Session, job_id: str, token: int) -> JobRow | None:
@@ -92,6 +98,8 @@ def end(session: Session, row: JobRow, status: JobStatus, message: str, now: dat
     row.status, row.message, row.finished_at = status, storable_text(message), now
     row.lease_owner = row.lease_until = None
     row.dismiss_requested = False
+    if status is not JobStatus.FAILED:  # that may be retried
+        forget_checkpoints(session, row, of_all=status is JobStatus.SUCCESSFUL)
     announce(session, row, now)
     tell_subscriber(session, row, now)
     count_end(session, row, now)

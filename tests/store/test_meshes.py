@@ -193,7 +193,13 @@ def test_every_column_that_names_a_blob_is_looked_at(
         if isinstance(column.type, String) and column.type.length == 64 and column.name.endswith("sha256")
     }
     columns.remove("job_inputs.source_sha256")  # says where an input came from; the job does not read it
-    assert columns == {"meshes.sha256", "meshes.canonical_sha256", "job_inputs.sha256", "job_outputs.sha256"}
+    assert columns == {
+        "meshes.sha256",
+        "meshes.canonical_sha256",
+        "job_inputs.sha256",
+        "job_outputs.sha256",
+        "job_checkpoints.sha256",
+    }
     mesh = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path))
     result = blobs.put_bytes(b"result")
     jobs.create(DEFAULT_WORKSPACE, "shells", {}, mesh_inputs=[mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/meshes/{mesh.id}")])
