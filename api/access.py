@@ -27,15 +27,15 @@ EMBEDDED = Access(DEFAULT_WORKSPACE, frozenset(Scope))
 """Of whoever reaches a server that asks for no keys."""
 
 
-def access_of(request: Request) -> Access:
+async def access_of(request: Request) -> Access:
     """The access `api.gate` found; without it nothing is served."""
     access: Access = request.scope[SCOPE_KEY]
     return access
 
 
-def workspace_of(request: Request) -> WorkspaceId:
+async def workspace_of(request: Request) -> WorkspaceId:
     """The workspace of the request that is being served."""
-    return access_of(request).workspace
+    return (await access_of(request)).workspace
 
 
 AccessDep = Annotated[Access, Depends(access_of)]

@@ -72,6 +72,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     await run_in_threadpool(services.db.migrate)
     await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
     services.trail.start()
+    services.ringer.start()
     services.nursery.start()  # loads in the background while the first requests come
     sweeping = asyncio.create_task(_sweep_uploads(services))
     try:
@@ -81,6 +82,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
         await run_in_threadpool(services.trail.stop)
+        await run_in_threadpool(services.ringer.stop)
         services.doorbell.close()
         services.limiter.close()
         services.db.close()

@@ -7,7 +7,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from api.access import SCOPE_KEY, Access
+from api.access import SCOPE_KEY
 from api.admission import Admission
 from api.audit_trail import AuditTrail
 from api.audited import CODE_KEY, entry_of, entry_of_crash, is_act, refusal_of
@@ -50,7 +50,8 @@ class Gate:
 
         try:
             access = scope[SCOPE_KEY] = await run_in_threadpool(self._admission.admit, headers, need)
-            allowance = await run_in_threadpool(self._take, access)
+            if access.key_id is not None:  # whoever needs no key is alone on his machine: he is not counted
+                allowance = await run_in_threadpool(self._limiter.take, access.workspace)
             require_allowance(access, allowance)
         except IntegumentError as error:
             key_id = error.facts.get("key")
@@ -65,7 +66,3 @@ class Gate:
             if unnoted:
                 self._trail.note(entry_of_crash(scope))
             raise
-
-    def _take(self, access: Access) -> Allowance | None:
-        """Whoever needs no key is alone on his machine: he is not counted."""
-        return self._limiter.take(access.workspace) if access.key_id is not None else None

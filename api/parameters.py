@@ -14,28 +14,28 @@ from core.errors import StateError
 _UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 
-def job_id_of(job_id: Annotated[str, Path(description="Id of a job")]) -> str:
+async def job_id_of(job_id: Annotated[str, Path(description="Id of a job")]) -> str:
     """What cannot be an id is not looked for. Raises StateError `job.not_found`."""
     if not _UUID.fullmatch(job_id):
         raise StateError("job.not_found", f"there is no job {job_id[:100]!r}")
     return job_id
 
 
-def mesh_id_of(mesh_id: Annotated[str, Path(description="Id of a mesh")]) -> str:
+async def mesh_id_of(mesh_id: Annotated[str, Path(description="Id of a mesh")]) -> str:
     """What cannot be an id is not looked for. Raises StateError `mesh.not_found`."""
     if not _UUID.fullmatch(mesh_id):
         raise StateError("mesh.not_found", f"there is no mesh {mesh_id[:100]!r}")
     return mesh_id
 
 
-def upload_id_of(upload_id: Annotated[str, Path(description="Id of an upload")]) -> str:
+async def upload_id_of(upload_id: Annotated[str, Path(description="Id of an upload")]) -> str:
     """What cannot be an id is not looked for. Raises StateError `upload.not_found`."""
     if not _UUID.fullmatch(upload_id):
         raise StateError("upload.not_found", f"there is no upload {upload_id[:100]!r}")
     return upload_id
 
 
-def preferences_of(
+async def preferences_of(
     request: Request,
     prefer: Annotated[
         str | None, Header(description="RFC 7240: `wait=N` (seconds, up to 30) holds the answer back; `respond-async`")

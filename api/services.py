@@ -12,6 +12,7 @@ from fastapi import Depends, Request
 from api.admission import Admission
 from api.audit_trail import AuditTrail
 from api.drain import Drain
+from api.ringing import Ringer
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
 from store.api_keys import ApiKeys
@@ -55,6 +56,7 @@ class Services:
     backlog: Backlog
     keys: IdempotencyKeys
     doorbell: Doorbell
+    ringer: Ringer
     nursery: Nursery
     intake_slots: anyio.CapacityLimiter
     streams: StreamSlots
@@ -79,6 +81,8 @@ def make_services(settings: Settings) -> Services:
     db = Database(settings)
     blobs = open_blobs(settings, db)
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
+    jobs = Jobs(db, quotas)
+    doorbell = Doorbell(settings.broker_url, settings.queue)
     return Services(
         settings=settings,
         db=db,
@@ -86,14 +90,15 @@ def make_services(settings: Settings) -> Services:
         meshes=Meshes(db, blobs, quotas),
         mesh_inputs=MeshInputs(db, blobs),
         uploads=Uploads(db, settings.upload_hours, quotas),
-        jobs=Jobs(db, quotas),
+        jobs=jobs,
         callbacks=Callbacks(db),
         receivers=Receivers(settings.callback_allow),
         quotas=quotas,
         events=Events(db),
         backlog=Backlog(db),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
-        doorbell=Doorbell(settings.broker_url, settings.queue),
+        doorbell=doorbell,
+        ringer=Ringer(doorbell, jobs),
         nursery=Nursery(preload=INTAKE_MODULES, require_confinement=settings.require_confinement),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
@@ -104,8 +109,10 @@ def make_services(settings: Settings) -> Services:
     )
 
 
-def services_of(request: Request) -> Services:
-    """The services of the application that serves `request`."""
+async def services_of(request: Request) -> Services:
+    """The services of the application that serves `request`.
+
+    Asynchronous as all dependencies that wait for nothing: the framework sends the others to a thread each."""
     services: Services = request.app.state.services
     return services
 

@@ -24,7 +24,7 @@ MAX_METADATA = 8000
 HEADERS = {"Tus-Resumable": VERSION, "Cache-Control": "no-store"}
 
 
-def require_version(request: Request) -> None:
+async def require_version(request: Request) -> None:
     """Raises InputError `upload.version` unless the request speaks this version."""
     spoken = request.headers.get("tus-resumable")
     if spoken != VERSION:
@@ -79,7 +79,7 @@ class Checksum:
         return ALGORITHMS[self.algorithm]()
 
 
-def checksum_of(request: Request) -> Checksum | None:
+async def checksum_of(request: Request) -> Checksum | None:
     """`Upload-Checksum`, None without one. Raises InputError `upload.header_invalid`."""
     sent = request.headers.get("upload-checksum")
     if sent is None:

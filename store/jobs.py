@@ -78,6 +78,7 @@ class Jobs(Admission, Claims, Reconciliation):
                 event_seq=0,
                 output_bytes=0,
                 outputs=[],  # said, or they are looked for
+                outputs=[],  # said, or they are looked for
                 subscriber=None if subscriber is None else subscriber.describe(),
                 queue=expectation.queue,
                 expected_memory_bytes=expectation.memory_bytes,

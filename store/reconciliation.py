@@ -65,6 +65,15 @@ class Reconciliation:
                 .values(rung_at=self._db.now(session))
             )
 
+    def mark_all_rung(self, attempts: Iterable[tuple[str, int]]) -> None:
+        """The same for many (job id, attempt), in one transaction."""
+        with self._db.session() as session:
+            session.execute(
+                update(JobRow)
+                .where(tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED)
+                .values(rung_at=self._db.now(session))
+            )
+
     def expire_leases(self, now: datetime | None = None) -> list[Job]:
         """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`."""
         with self._db.session() as session:

@@ -15,7 +15,6 @@ from api.links import job_path
 from api.paging import add_next_link
 from api.parameters import Cursor, IdempotencyKey, JobId, PageLimit, PreferencesDep, split_commas
 from api.responses import problems
-from api.ringing import ring
 from api.schemas.job import JobList, JobStatus, StatusInfo
 from api.services import Services, ServicesDep
 from api.waiting import has_ended, has_left, wait_until
@@ -116,9 +115,11 @@ def _queue_again(services: Services, workspace: WorkspaceId, job_id: str, key: s
             return services.jobs.get(workspace, job_id), True
         job = services.jobs.retry(workspace, job_id)
         once.remember(Reply(202, {"Location": job_path(job_id)}, {"job": job_id}))
-    ring(services, job)
+    services.ringer.ring(job)
     return job, False
 
 
 async def _described(services: Services, request: Request, job: Job) -> StatusInfo:
+    if job.status != "accepted":
+        return describe_job(request, job)
     return describe_job(request, job, await run_in_threadpool(services.jobs.queue_position, job.workspace, job.id))

@@ -15,7 +15,6 @@ from api.links import BASE, job_path
 from api.parameters import IdempotencyKey, PreferencesDep
 from api.process_documents import describe_process, find_process, list_processes
 from api.responses import problems
-from api.ringing import ring
 from api.schemas.execution import ExecuteRequest
 from api.schemas.job import StatusInfo
 from api.schemas.process import Process, ProcessList
@@ -63,7 +62,8 @@ async def execute_process(
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
     subscriber = read_subscriber(services, request, body.subscriber)
     job, replayed = await run_in_threadpool(_accept, services, workspace, process_id, body, subscriber, idempotency_key)
-    job = await wait_until(services, job, preferences.wait_s, has_ended)
+    if preferences.wait_s:
+        job = await wait_until(services, job, preferences.wait_s, has_ended)
     response.headers["Location"] = job_path(job.id)
     response.headers.update(preferences.applied())
     if replayed:
@@ -101,5 +101,5 @@ def _accept(
                 session=session,
             )
             once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
-    ring(services, job)
+    services.ringer.ring(job)
     return job, False

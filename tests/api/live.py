@@ -57,6 +57,14 @@ class Live:
         """A job that waits, put into the table."""
         return self.services.jobs.create(workspace, process, {})
 
+    def announced(self, job_id: str) -> Job:
+        """The job, as soon as the workers were told of it: a thread does that a moment after the answer."""
+        deadline = time.monotonic() + 10
+        while (job := self.services.jobs.get(DEFAULT_WORKSPACE, job_id)).rung_at is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        return job
+
     def running(self, process: str = "validate", workspace: WorkspaceId = DEFAULT_WORKSPACE) -> Job:
         """A job a worker holds."""
         job = self.services.jobs.claim(self.accepted(process, workspace).id, 1, "tests", 60.0)

@@ -39,10 +39,9 @@ def test_an_accepted_job_is_described_and_announced(api: Live, mesh_href: str, s
     assert told["queuePosition"] >= 1
     assert told["message"]
     assert [link["href"] for link in told["links"] if link["rel"] == "self"] == [api.url + response.headers["Location"]]
-    job = api.services.jobs.get(DEFAULT_WORKSPACE, told["jobID"])
+    job = api.announced(told["jobID"])
     assert job.inputs["layers"] == LAYERS, "defaults are written down, so a later version cannot change the job"
     assert list(job.mesh_inputs) == [mesh_href]
-    assert job.rung_at is not None
     assert broker.llen(QUEUE) == 1
     message = json.loads(broker.lindex(QUEUE, 0))
     assert told["jobID"] in json.dumps(message["headers"])

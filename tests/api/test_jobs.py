@@ -218,7 +218,7 @@ def test_failed_and_dismissed_jobs_run_again_on_request(api: Live, make: Callabl
     told = response.json()
     assert (told["jobID"], told["status"], told["attempt"]) == (job.id, "accepted", job.attempt + 1)
     assert "failure" not in told
-    assert api.services.jobs.get(DEFAULT_WORKSPACE, job.id).rung_at is not None
+    api.announced(job.id)
     again = api.client.post(f"/v1/jobs/{job.id}/retry", headers={"Idempotency-Key": key})
     assert (again.json()["attempt"], again.headers["Idempotent-Replayed"]) == (job.attempt + 1, "true")
 

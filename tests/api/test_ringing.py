@@ -1,0 +1,73 @@
+"""The thread that announces accepted jobs: all of them, few transactions, and nothing is held up by a broker that is away."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from api.ringing import Ringer
+from store.database import Database
+from store.doorbell import Doorbell
+from store.job import Job
+from store.jobs import Jobs
+from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
+from tests.valkey import ValkeyServer
+
+
+@pytest.fixture
+def jobs(tmp_path: Path) -> Iterator[Jobs]:
+    database = Database(Settings(data_dir=tmp_path))
+    database.migrate()
+    yield Jobs(database)
+    database.close()
+
+
+def accepted(jobs: Jobs, count: int) -> list[Job]:
+    return [jobs.create(DEFAULT_WORKSPACE, "validate", {}) for _ in range(count)]
+
+
+def rung(jobs: Jobs) -> int:
+    return sum(job.rung_at is not None for job in jobs.list(DEFAULT_WORKSPACE, limit=1000).items)
+
+
+def test_everything_that_was_accepted_is_announced_before_the_end(jobs: Jobs, valkey: ValkeyServer) -> None:
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs)
+    waiting = accepted(jobs, 30)
+    for job in waiting:  # before it starts: they lie in one heap
+        ringer.ring(job)
+    ringer.start()
+    ringer.stop()
+    assert rung(jobs) == len(waiting)
+    assert jobs.due_to_ring(60.0) == []
+
+
+def test_a_job_that_was_taken_meanwhile_is_left_alone(jobs: Jobs, valkey: ValkeyServer) -> None:
+    taken, waiting = accepted(jobs, 2)
+    assert jobs.claim(taken.id, 1, "tests", 60.0) is not None
+    jobs.mark_all_rung([(taken.id, 1), (waiting.id, 1)])
+    assert jobs.get(DEFAULT_WORKSPACE, taken.id).rung_at is None
+    assert jobs.get(DEFAULT_WORKSPACE, waiting.id).rung_at is not None
+
+
+def test_a_broker_that_is_away_costs_one_attempt(jobs: Jobs, valkey: ValkeyServer) -> None:
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs)
+    valkey.kill()
+    for job in accepted(jobs, 50):
+        ringer.ring(job)
+    began = time.process_time()
+    ringer.start()
+    ringer.stop()
+    assert rung(jobs) == 0
+    assert len(jobs.due_to_ring(60.0)) == 50, "the reconciler has them all"
+    assert time.process_time() - began < 5
+    valkey.start()
+    again = Ringer(Doorbell(valkey.url, "here"), jobs)
+    late = accepted(jobs, 1)[0]
+    again.start()
+    again.ring(late)
+    again.stop()
+    assert jobs.get(DEFAULT_WORKSPACE, late.id).rung_at is not None
