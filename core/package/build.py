@@ -9,17 +9,22 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from core.io.registry import write_mesh
+from core.package import gmsh, nastran, openmeeg, smesh
 from core.package.archive import write_archive
 from core.package.bem_fmm import FOLDER as BEM_FMM
 from core.package.bem_fmm import matlab_index, python_index
 from core.package.conductivity import look_up
 from core.package.manifest import FILE_NAME, FileEntry, Manifest, TissueEntry, find_input_checksums
+from core.package.merged_surfaces import merge
 from core.package.readme import readme_text
+from core.package.region_tag import region_tags
 from core.package.requirements import require_packable
 from core.package.tissue import Tissue
 from core.reports.figures.figure import Figure
 from core.reports.html import render_html
 from core.schema.report import Report
+
+LONE_MM = 0.04  # how far below a surface without neighbours its region's point may be, times four
 
 
 def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, figures: Sequence[Figure]) -> Report:
@@ -39,6 +44,7 @@ def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, fig
         packed = _with_checksums(report, checksums)
         _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
         _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
+        _write_solver_files(folder, tissues, report)
         _write_text(folder / "README.txt", readme_text(tissues, report))
         _write_text(folder / "report" / "report.json", packed.model_dump_json(indent=2) + "\n")
         _write_text(folder / "report" / "report.html", render_html(packed, figures))
@@ -58,11 +64,21 @@ def _write_surfaces(folder: Path, tissue: Tissue) -> None:
     shutil.copyfile(mat, _parent_of(folder / BEM_FMM / mat.name))
 
 
+def _write_solver_files(folder: Path, tissues: Sequence[Tissue], report: Report) -> None:
+    openmeeg.write_model(_parent_of(folder / openmeeg.FOLDER / "model.geom").parent, tissues)
+    merged = merge(tissues)
+    gmsh.write_surfaces(_parent_of(folder / gmsh.FILE), merged)
+    _write_text(folder / nastran.FILE, nastran.bulk_data(merged))
+    gaps = [pair.min_gap_mm for pair in report.pairs if pair.min_gap_mm]
+    _write_text(folder / smesh.FILE, smesh.smesh_text(tissues, min(gaps, default=LONE_MM)))
+
+
 def _manifest(tissues: Sequence[Tissue], report: Report, files: dict[str, FileEntry]) -> Manifest:
+    tags = region_tags(tissues)
     return Manifest(
         process=report.process,
         verdict=report.verdict,
-        tissues=tuple(_tissue_entry(tissue, files) for tissue in tissues),
+        tissues=tuple(_tissue_entry(tissue, tags[tissue.name], files) for tissue in tissues),
         notes=tuple(
             f"no default conductivity is known for '{tissue.name}': {tissue.conductivity_s_per_m:g} S/m is that of muscle, "
             "set your own"
@@ -76,7 +92,7 @@ def _manifest(tissues: Sequence[Tissue], report: Report, files: dict[str, FileEn
     )
 
 
-def _tissue_entry(tissue: Tissue, files: dict[str, FileEntry]) -> TissueEntry:
+def _tissue_entry(tissue: Tissue, tag: int, files: dict[str, FileEntry]) -> TissueEntry:
     stl, mat = f"stl/{tissue.name}.stl", f"mat/{tissue.name}.mat"
     default = look_up(tissue.name)
     is_default = default.siemens_per_metre == tissue.conductivity_s_per_m
@@ -93,6 +109,7 @@ def _tissue_entry(tissue: Tissue, files: dict[str, FileEntry]) -> TissueEntry:
         conductivity_s_per_m=tissue.conductivity_s_per_m,
         conductivity_source=default.source if is_default else "given with the tissue",
         enclosing_tissue=tissue.enclosing,
+        region_tag=tag,
     )
 
 

@@ -43,10 +43,15 @@ _OTHER_WORDS = {
 }
 
 
+def tissue_word(name: str) -> str:
+    """The one word under which tables know a tissue, if they do; case, spaces, `_` and `-` do not matter."""
+    key = "".join(letter for letter in name.lower() if letter.isalnum())
+    return _OTHER_WORDS.get(key, key)
+
+
 def look_up(name: str) -> Conductivity:
     """The default for a tissue's name; case, spaces, `_` and `-` do not matter. An unknown name gets the value of muscle."""
-    key = "".join(letter for letter in name.lower() if letter.isalnum())
-    found = _TABLE.get(_OTHER_WORDS.get(key, key))
+    found = _TABLE.get(tissue_word(name))
     if found is not None:
         return found
     return Conductivity(_MUSCLE.siemens_per_metre, f"no default for this name; {_MUSCLE.source} was taken", known=False)

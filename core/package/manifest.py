@@ -38,6 +38,9 @@ class TissueEntry(FrozenModel):
     conductivity_s_per_m: float = Field(description="Between this surface and the next ones inside")
     conductivity_source: str
     enclosing_tissue: str = Field(description="Name of a tissue listed before, or FreeSpace")
+    region_tag: int | None = Field(
+        None, description="The tissue's number in gmsh, NASTRAN and TetGen files; null in packages made before these"
+    )
 
 
 class Manifest(FrozenModel):

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 from pydantic import ValidationError
 
 from core.errors import InputError
 from core.io.registry import read_meshes
 from core.mesh import Mesh
-from core.package.manifest import FILE_NAME, FORMAT_VERSION, Manifest
+from core.package.entries import open_zip, read_text, unpack
+from core.package.manifest import FILE_NAME, FORMAT_VERSION, Manifest, TissueEntry
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,21 +27,10 @@ class ReadPackage:
 
 def read_package(zip_path: Path) -> ReadPackage:
     """Raises: InputError `package.corrupt` if it is no package or a file is missing, `package.checksum_mismatch` if a file is
-    not the one the manifest names, and those of `read_meshes`."""
-    try:
-        with ZipFile(zip_path) as archive:
-            manifest = Manifest.model_validate_json(archive.read(FILE_NAME))
-            surfaces = {tissue.name: (archive.read(tissue.file), tissue.sha256) for tissue in manifest.tissues}
-    except (BadZipFile, KeyError, ValidationError) as error:
-        raise InputError("package.corrupt", f"{zip_path.name} is no package of this software: {error}") from error
-    if manifest.format_version != FORMAT_VERSION:
-        raise InputError(
-            "package.corrupt", f"{zip_path.name} has format version {manifest.format_version}, {FORMAT_VERSION} is understood"
-        )
-    with TemporaryDirectory(prefix="shells-") as scratch:
-        return ReadPackage(
-            manifest, {name: _read(Path(scratch), name, data, sha256) for name, (data, sha256) in surfaces.items()}
-        )
+    not the one the manifest names, LimitError `package.too_large`, and those of `read_meshes`."""
+    with open_zip(zip_path) as archive, TemporaryDirectory(prefix="shells-") as scratch:
+        manifest = _manifest(archive, zip_path.name)
+        return ReadPackage(manifest, {tissue.name: _surface(archive, tissue, Path(scratch)) for tissue in manifest.tissues})
 
 
 def read_shells(zip_path: Path) -> dict[str, Mesh]:
@@ -49,12 +38,26 @@ def read_shells(zip_path: Path) -> dict[str, Mesh]:
     return dict(read_package(zip_path).surfaces)
 
 
-def _read(scratch: Path, name: str, data: bytes, sha256: str) -> Mesh:
-    found = hashlib.sha256(data).hexdigest()
-    if found != sha256:
+def _manifest(archive: ZipFile, zip_name: str) -> Manifest:
+    text = read_text(archive, FILE_NAME)
+    try:
+        manifest = Manifest.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError("package.corrupt", f"{zip_name} is no package of this software: {error}") from error
+    if manifest.format_version != FORMAT_VERSION:
         raise InputError(
-            "package.checksum_mismatch", f"the surface of '{name}' has checksum {found}, the manifest says {sha256}", name=name
+            "package.corrupt", f"{zip_name} has format version {manifest.format_version}, {FORMAT_VERSION} is understood"
         )
+    return manifest
+
+
+def _surface(archive: ZipFile, tissue: TissueEntry, scratch: Path) -> Mesh:
     path = scratch / "surface.stl"
-    path.write_bytes(data)
+    found = unpack(archive, tissue.file, path)
+    if found != tissue.sha256:
+        raise InputError(
+            "package.checksum_mismatch",
+            f"the surface of '{tissue.name}' has checksum {found}, the manifest says {tissue.sha256}",
+            name=tissue.name,
+        )
     return read_meshes(path, file_name=path.name, unit="mm").meshes[0].mesh

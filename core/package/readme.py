@@ -50,6 +50,8 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
         "  mat/NAME.mat       P (vertices), t (faces, from 1), normals (outward, one per face), all double;",
         "                     the same vertices as the STL, bit for bit",
         "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
+        "  openmeeg/          model.geom, model.cond and NAME.tri",
+        "  gmsh/, nastran/, tetgen/   all surfaces in one file, numbered by region_tag of manifest.json",
         "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
         "  report/  what was proven, with pictures",
     ]
@@ -85,12 +87,14 @@ _PYTHON = """
     vertices_mm, faces = surface["P"], surface["t"].astype(int) - 1
 """
 _GMSH = """
-    gmsh opens the files of stl/. SimNIBS computes on tetrahedra (.msh), which this package does not have:
-    these surfaces are the input for a mesher, one region between each surface and the next.
+    gmsh gmsh/surfaces.msh
+    The mark of a triangle is 1000 + the number of its tissue. SimNIBS computes on tetrahedra, which these
+    files do not have: `tetgen -pA tetgen/surfaces.smesh` fills them and gives each its tissue's number.
 """
 _OPENMEEG = """
-    OpenMEEG does not read STL or MAT, and this package has no .tri, .geom or .cond files. Take vertices
-    and faces as under Python, and nesting and conductivities from manifest.json.
+    import openmeeg
+    geometry = openmeeg.read_geometry("openmeeg/model.geom", "openmeeg/model.cond")
+    Lengths are mm: dipoles, sensors and moments must be in mm, too. A dense method: decimate first.
 """
 _MNE = """
     MNE-Python does not read STL. Take vertices and faces as under Python;
