@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
-from sqlalchemy import ColumnElement, func, select, tuple_
+from sqlalchemy import select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
-from core.schema.expectation import UNKNOWN, Expectation
+from core.schema.expectation import UNKNOWN, Expectation, JobQueue
 from store.admission import Admission
 from store.callback import Subscriber
 from store.claims import Claims
@@ -19,6 +19,7 @@ from store.database import Database
 from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
+from store.queue_position import find_queue_position
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
@@ -78,7 +79,6 @@ class Jobs(Admission, Claims, Reconciliation):
                 event_seq=0,
                 output_bytes=0,
                 outputs=[],  # said, or they are looked for
-                outputs=[],  # said, or they are looked for
                 subscriber=None if subscriber is None else subscriber.describe(),
                 queue=expectation.queue,
                 expected_memory_bytes=expectation.memory_bytes,
@@ -135,18 +135,18 @@ class Jobs(Admission, Claims, Reconciliation):
             return Page(items, to_cursor(items[-1].created_at, items[-1].id) if more else None)
 
     def queue_position(self, workspace: WorkspaceId, job_id: str) -> int | None:
-        """1 for the job that is next, those of all workspaces counted; None if the job does not wait."""
+        """1 for the job that is taken next, those of all workspaces counted; None if the job does not wait.
+
+        Raises StateError `job.not_found`."""
         with self._db.reading() as session:
             row = session.execute(
-                select(JobRow.id, JobRow.status, JobRow.queued_at).where(JobRow.id == job_id, JobRow.workspace == workspace)
+                select(JobRow.status, JobRow.queue, JobRow.queued_at).where(JobRow.id == job_id, JobRow.workspace == workspace)
             ).one_or_none()
             if row is None:
                 raise no_such_job(job_id)
             if row.status != JobStatus.ACCEPTED:
                 return None
-            earlier: ColumnElement[bool] = tuple_(JobRow.queued_at, JobRow.id) < (row.queued_at, row.id)
-            waiting = select(func.count()).select_from(JobRow).where(JobRow.status == JobStatus.ACCEPTED, earlier)
-            return session.execute(waiting).scalar_one() + 1
+            return find_queue_position(session, workspace, job_id, JobQueue(row.queue), row.queued_at)
 
     def dismiss(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Take a job back: one that waits at once, a running one as soon as its worker has killed it (`dismiss_requested`).

@@ -1,0 +1,40 @@
+"""The one way from accepted to running."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+
+from sqlalchemy import update
+from sqlalchemy.orm import Session
+
+from store.job import JobStatus
+from store.job_tally import count_attempt
+from store.outbox import tell_subscriber
+from store.records import JobRow
+from store.transition import announce
+
+
+def take(session: Session, job_id: str, attempt: int, worker: str, lease_s: float, now: datetime) -> JobRow | None:
+    """Give an attempt of an accepted job to a worker; None if it is taken, gone, or waits for another attempt.
+
+    One conditional UPDATE decides, so of any number of callers one wins. Every later write names the row's `lease_token`."""
+    row = session.scalars(
+        update(JobRow)
+        .where(JobRow.id == job_id, JobRow.attempt == attempt, JobRow.status == JobStatus.ACCEPTED)
+        .values(
+            status=JobStatus.RUNNING,
+            lease_owner=worker,
+            lease_token=JobRow.lease_token + 1,
+            lease_until=now + timedelta(seconds=lease_s),
+            started_at=now,
+            phase="start",
+            progress=0.0,
+            message=f"attempt {attempt} started",
+        )
+        .returning(JobRow)
+    ).one_or_none()
+    if row is not None:
+        announce(session, row, now)
+        tell_subscriber(session, row, now)
+        count_attempt(session, row, now)
+    return row
