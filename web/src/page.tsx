@@ -11,7 +11,7 @@ const NAVIGATION = [["", "Meshes"]] as const;
 function Body({ place }: { place: Place }) {
   switch (place.path[0]) {
     case undefined:
-      return <MeshesPage />;
+      return <MeshesPage chosenId={place.query.get("mesh") ?? undefined} />;
     default:
       return (
         <div class="card empty">

@@ -1,26 +1,180 @@
-import { askJson } from "../api/server";
+import { useMemo, useState } from "preact/hooks";
+import { deleteMesh, listMeshes } from "../api/meshes";
 import type { MeshInfo } from "../api/types";
+import { DropZone } from "../parts/drop_zone";
 import { Failure } from "../parts/failure";
+import { Findings } from "../parts/findings";
 import { useLoaded } from "../parts/loaded";
+import { QuickCheck } from "../parts/quick_check";
+import { useTriangles } from "../parts/triangles_of";
+import { type Local, UploadItem } from "../parts/upload_item";
+import { ViewerPane } from "../parts/viewer_pane";
+import { goTo } from "../router";
+import { tissueColours } from "../tissues";
+import { sayLength } from "../units";
+import type { Point, Surface } from "../viewer/surface";
+import type { Viewer } from "../viewer/viewer";
+import { sayCount, sayWhen } from "../words";
 
-/** The way in: what the server holds. */
-export function MeshesPage() {
-  const meshes = useLoaded("meshes", (signal) => askJson<{ meshes: MeshInfo[] }>("/v1/meshes?limit=50", { signal }));
+/** The way in: drop files, say their unit, see them, go on to a job. */
+export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
+  const list = useLoaded("meshes", listMeshes);
+  const [files, setFiles] = useState<{ number: number; file: File }[]>([]);
+  const [local, setLocal] = useState<Local | null>(null);
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [refused, setRefused] = useState<unknown>(null);
+  const meshes = list.value?.meshes ?? [];
+  const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
+  const fetched = useTriangles(chosen ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
+  const shown = local?.mesh ?? (chosen ? fetched.meshes[chosen.name] : undefined);
+  const name = local?.name ?? chosen?.name ?? "";
+  const surfaces = useMemo<Surface[]>(
+    () =>
+      shown
+        ? [
+            {
+              name,
+              mesh: shown.shown,
+              colour: tissueColours(["skin"]).skin!,
+              visible: true,
+              opacity: 1,
+              closed: shown.closed,
+              field: null,
+            },
+          ]
+        : [],
+    [shown, name],
+  );
+  const add = (more: File[]) =>
+    setFiles([...files, ...more.map((file, i) => ({ number: (files.at(-1)?.number ?? 0) + i + 1, file }))]);
+  const remove = (number: number) => {
+    setFiles(files.filter((one) => one.number !== number));
+    setLocal(null);
+  };
+  const added = (number: number, mesh: MeshInfo) => {
+    remove(number);
+    list.again();
+    goTo(`#/?mesh=${mesh.id}`);
+  };
+  const forget = async (mesh: MeshInfo) => {
+    try {
+      await deleteMesh(mesh.id);
+      list.again();
+    } catch (error) {
+      setRefused(error);
+    }
+  };
+  const fly = (point: Point) => {
+    viewer?.setMarkers([{ point, severity: "warning" }]);
+    viewer?.flyTo(point);
+  };
+  const nothing = !list.loading && !list.error && meshes.length === 0 && files.length === 0;
   return (
     <>
       <div class="heading">
         <h1>Meshes</h1>
       </div>
-      {meshes.error ? <Failure error={meshes.error} again={meshes.again} /> : null}
-      {meshes.loading && <p class="empty">Loading…</p>}
-      {meshes.value?.meshes.length === 0 && <p class="card empty">Nothing was uploaded yet.</p>}
-      <ul class="list">
-        {meshes.value?.meshes.map((mesh) => (
-          <li key={mesh.id} class="item">
-            <span class="name">{mesh.name}</span>
-          </li>
-        ))}
-      </ul>
+      {list.error ? <Failure error={list.error} again={list.again} /> : null}
+      {refused ? <Failure error={refused} /> : null}
+      {list.loading && !list.value && <p class="empty">Looking what the server holds…</p>}
+      {nothing && (
+        <div class="stack">
+          <DropZone onFiles={add} />
+          <ol class="steps">
+            <li class="card">
+              <h2>1. Bring the skin</h2>
+              <p class="muted">A closed surface of a body or a head, as STL, MAT, PLY or OBJ, in any of four units.</p>
+            </li>
+            <li class="card">
+              <h2>2. Choose layers and ears</h2>
+              <p class="muted">
+                Depths below the skin, thinner in the ears if you like. The thesis' settings are one click.
+              </p>
+            </li>
+            <li class="card">
+              <h2>3. Look inside</h2>
+              <p class="muted">Proven nested shells in a cut view, with a report and files for your solver.</p>
+            </li>
+          </ol>
+        </div>
+      )}
+      {(files.length > 0 || meshes.length > 0) && (
+        <div class="bench">
+          <div class="view">
+            <ViewerPane
+              label={`3D view of ${name}`}
+              surfaces={surfaces}
+              onViewer={setViewer}
+              loading={chosen && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""}
+              failure={fetched.failure}
+              empty="Choose a mesh to see it."
+            />
+            {shown?.thinned && (
+              <p class="muted small">
+                {sayCount(shown.faces)} faces are shown by {sayCount(shown.shown.faces.length / 3)}; jobs work on all of
+                them.
+              </p>
+            )}
+          </div>
+          <div class="stack">
+            <DropZone onFiles={add} small />
+            {files.map(({ number, file }) => (
+              <UploadItem
+                key={number}
+                file={file}
+                onLocal={setLocal}
+                onDone={(mesh) => added(number, mesh)}
+                onRemove={() => remove(number)}
+              />
+            ))}
+            <ul class="list" aria-label="Meshes on the server">
+              {meshes.map((mesh) => (
+                <li key={mesh.id} class={mesh === chosen ? "item chosen" : "item"}>
+                  <div class="row spread">
+                    <span class="name">{mesh.name}</span>
+                    <span class="muted small">{sayWhen(mesh.created)}</span>
+                  </div>
+                  <span class="muted small">
+                    {sayCount(mesh.faces)} faces · {mesh.extents_mm.map(sayLength).join(" × ")} ·{" "}
+                    {mesh.format.toUpperCase()} in {mesh.unit}
+                  </span>
+                  {mesh === chosen && (
+                    <>
+                      {mesh.findings.length > 0 && <Findings findings={mesh.findings} onPlace={fly} />}
+                      <QuickCheck mesh={mesh} onPlace={fly} />
+                    </>
+                  )}
+                  <div class="row">
+                    <a class="button primary" href={`#/new?mesh=${mesh.id}`}>
+                      Set up a job
+                    </a>
+                    {mesh !== chosen && (
+                      <button
+                        type="button"
+                        aria-label={`Show ${mesh.name}`}
+                        onClick={() => {
+                          setLocal(null);
+                          goTo(`#/?mesh=${mesh.id}`);
+                        }}
+                      >
+                        Show
+                      </button>
+                    )}
+                    <button
+                      type="button"
+                      class="quiet danger"
+                      aria-label={`Delete ${mesh.name}`}
+                      onClick={() => forget(mesh)}
+                    >
+                      Delete
+                    </button>
+                  </div>
+                </li>
+              ))}
+            </ul>
+          </div>
+        </div>
+      )}
     </>
   );
 }

@@ -1,0 +1,36 @@
+import type { ReadMesh } from "../mesh/worker";
+import { readMesh } from "../mesh/workshop";
+import { ask, askJson } from "./server";
+import type { MeshInfo } from "./types";
+
+/** Meshes of the server, and their triangles; those looked at last are kept. */
+
+const KEPT = 12;
+const kept = new Map<string, Promise<ReadMesh>>();
+
+export function listMeshes(signal: AbortSignal): Promise<{ meshes: MeshInfo[]; next?: string }> {
+  return askJson("/v1/meshes?limit=100", { signal });
+}
+
+export async function deleteMesh(id: string): Promise<void> {
+  await ask(`/v1/meshes/${id}`, { method: "DELETE" });
+}
+
+/** `href` is a reference as jobs take it: `/v1/meshes/{id}` or `/v1/jobs/{id}/results/{output}`. */
+export function fetchTriangles(href: string): Promise<ReadMesh> {
+  let found = kept.get(href);
+  if (!found) {
+    found = fetchNow(href);
+    found.catch(() => kept.delete(href));
+  }
+  kept.delete(href);
+  kept.set(href, found); // the last one is the freshest
+  for (const oldest of kept.keys()) if (kept.size > KEPT) kept.delete(oldest);
+  return found;
+}
+
+async function fetchNow(href: string): Promise<ReadMesh> {
+  const isUpload = href.includes("/v1/meshes/");
+  const reply = await ask(isUpload ? `${href}/file?format=ply` : href);
+  return readMesh(await reply.arrayBuffer(), isUpload ? "ply" : "stl");
+}

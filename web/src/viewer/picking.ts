@@ -1,0 +1,55 @@
+import { type Camera, type Plane, Raycaster, Vector2, Vector3 } from "three";
+import { MeshBVH } from "three-mesh-bvh";
+import type { Shell } from "./shell";
+import type { Probe } from "./surface";
+
+const trees = new WeakMap<object, MeshBVH>();
+
+/** What lies under a place of the canvas (-1 to 1, y upwards); the side that is cut away does not count. */
+export function pick(
+  shells: readonly Shell[],
+  camera: Camera,
+  x: number,
+  y: number,
+  plane: Plane | null,
+): Probe | null {
+  const caster = new Raycaster();
+  caster.setFromCamera(new Vector2(x, y), camera);
+  let nearest: { distance: number; probe: Probe } | null = null;
+  for (const shell of shells) {
+    if (!shell.group.visible) continue;
+    const { geometry } = shell.body;
+    let tree = trees.get(geometry);
+    if (!tree) {
+      tree = new MeshBVH(geometry, { indirect: true });
+      trees.set(geometry, tree);
+    }
+    for (const hit of tree.raycast(caster.ray, shell.body.material)) {
+      if (plane && plane.distanceToPoint(hit.point) < 0) continue;
+      if (nearest && hit.distance >= nearest.distance) continue;
+      nearest = {
+        distance: hit.distance,
+        probe: {
+          surface: shell.surface.name,
+          point: hit.point.toArray(),
+          value: valueAt(shell, hit.faceIndex!, hit.point),
+        },
+      };
+    }
+  }
+  return nearest?.probe ?? null;
+}
+
+/** The field of the surface there, linear within the face. */
+function valueAt(shell: Shell, face: number, point: Vector3): number | null {
+  const { field, mesh } = shell.surface;
+  if (!field) return null;
+  const corners = [0, 1, 2].map((k) => mesh.faces[3 * face + k]!);
+  const [a, b, c] = corners.map((v) => new Vector3().fromArray(mesh.positions, 3 * v)) as [Vector3, Vector3, Vector3];
+  const area = (p: Vector3, q: Vector3) =>
+    new Vector3().subVectors(p, point).cross(new Vector3().subVectors(q, point)).length();
+  const shares = [area(b, c), area(c, a), area(a, b)];
+  const sum = shares[0]! + shares[1]! + shares[2]!;
+  if (sum === 0) return field.values[corners[0]!]!;
+  return corners.reduce((value, v, k) => value + (shares[k]! / sum) * field.values[v]!, 0);
+}
