@@ -21,8 +21,9 @@ MAX_LOG = 8_000
 
 @dataclass(frozen=True, slots=True)
 class LastWords:
-    """What a worker that outlived the child can add. signal: SIGSEGV; log: the end of what the child printed."""
+    """What a worker that outlived the child can add. phase: the child's last; signal: SIGSEGV; log: the end of what it printed."""
 
+    phase: str | None = None
     signal: str | None = None
     peak_memory_bytes: int | None = None
     log: str = ""
@@ -71,7 +72,7 @@ def record_loss(session: Session, row: JobRow, code: str, message: str, words: L
             code=code,
             message=storable_text(message),
             signal=words.signal,
-            phase=row.phase,
+            phase=row.phase if words.phase is None else storable_text(words.phase),
             progress=row.progress,
             peak_memory_bytes=words.peak_memory_bytes,
             log=storable_text(words.log, MAX_LOG),

@@ -12,7 +12,9 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
+from core.schema.expectation import JobQueue
 from store.callback_secret import secret_bytes
+from store.host_memory import budget_bytes
 from store.receivers import Receivers
 from store.s3_place import S3Place
 
@@ -90,6 +92,7 @@ def _to_text(value: Any) -> str:
 
 Size = Annotated[ByteSize, Field(gt=0)]
 Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Days = Annotated[float, Field(ge=0, le=36_500, allow_inf_nan=False)]
 
 
 class Settings(BaseSettings):
@@ -153,6 +156,15 @@ class Settings(BaseSettings):
         False,
         description="`true`: rather no work than work whose child the kernel cannot lock in (Landlock, filter of system calls)",
     )
+    checkpoint_bytes: ByteSize = Field(
+        ByteSize(2 * GIB), ge=0, description="Outputs of finished steps kept for the next attempt of one job; 0: none"
+    )
+    checkpoint_after_s: float = Field(
+        1.0, ge=0, allow_inf_nan=False, description="Steps that took less processor time are not kept"
+    )
+    checkpoint_days: float = Field(
+        7.0, gt=0, allow_inf_nan=False, description="How long the steps of a failed job are kept, for it to be retried"
+    )
     lease_s: Seconds = Field(30.0, description="A worker silent for this long has lost its job")
     heartbeat_s: Seconds = Field(1.0, description="How often a worker renews its lease and looks for a dismissal")
     drain_s: Seconds = Field(30.0, description="How long the jobs of a worker that is told to stop may still run")
@@ -161,6 +173,23 @@ class Settings(BaseSettings):
     max_attempts: int = Field(2, ge=1, le=100, description="Workers a job may lose before it fails with `worker.lost`")
     worker_concurrency: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=1024, description="Jobs one worker runs at a time"
+    )
+    worker_fast_slots: int = Field(
+        1, ge=0, le=1024, description="Fast jobs a worker runs beyond that while heavy ones have all its slots"
+    )
+    worker_queues: Annotated[tuple[JobQueue, ...], NoDecode, BeforeValidator(_names), Field(min_length=1)] = Field(
+        tuple(JobQueue), description="Which jobs a worker takes: `fast`, `heavy` or both, separated by commas"
+    )
+    worker_memory_bytes: Size = Field(
+        default_factory=lambda: ByteSize(budget_bytes()),
+        description="What all jobs on one worker host may need together; a job that does not fit waits for another host",
+    )
+    look_s: Seconds = Field(1.0, description="How often a worker with room looks for jobs although nobody rang")
+    memory_patience_s: Seconds = Field(
+        60.0, description="After this wait, a job that only lacks memory holds back others until it fits"
+    )
+    host_wait_s: Seconds = Field(
+        3600.0, description="How long a job waits for a host large enough before it fails with `job.too_large_for_memory`"
     )
     callback_secret: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_secrets), AfterValidator(_checked_secrets)] = Field(
         (),
@@ -172,6 +201,19 @@ class Settings(BaseSettings):
         (), description="Host names, addresses and networks callbacks may go to besides the public internet, also by http"
     )
     event_poll_s: Seconds = Field(0.25, description="How often an event stream looks for new events")
+    log_format: Literal["auto", "json", "text"] = Field(
+        "auto", description="Lines of the logs: `json`, `text`, or `auto`: text on a terminal, JSON elsewhere"
+    )
+    keep_jobs_days: Days = Field(0.0, description="Jobs that ended longer ago are removed with their results; 0: never")
+    keep_meshes_days: Days = Field(
+        0.0, description="Uploads older than that are removed unless a job there is reads them; 0: never"
+    )
+    keep_events_days: Days = Field(
+        0.0, description="Progress and log lines of jobs that ended longer ago are removed; 0: with the job"
+    )
+    disk_floor_bytes: ByteSize = Field(
+        ByteSize(GIB // 4), ge=0, description="With less free on the disk of the data folder, new work is refused by `storage.low`"
+    )
     audit_days: float = Field(365.0, gt=0, allow_inf_nan=False, description="How long the audit log is kept")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")
 

@@ -45,6 +45,11 @@ class Progress:
         self._timings: dict[str, float] = {}
         self._phase_began = time.monotonic()
 
+    @property
+    def phase(self) -> str:
+        """The present one."""
+        return self._phase
+
     def hear(self, message: Mapping[str, Any]) -> None:
         """Take a message: {"kind": "progress", "progress", "phase", "message"} or {"kind": "log", "message"}; drop any other."""
         if message.get("kind") == "progress":

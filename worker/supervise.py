@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -13,11 +14,14 @@ from core.errors import IntegumentError
 from sandbox.outcome import Outcome, log_tail
 from sandbox.overrun import find_overrun
 from store.job import Job, JobFailure, JobOutput
+from store.lost_attempt import LastWords
 from worker.child_result import ChildResult, ListedOutput, read_outputs, read_result, store_outputs
 from worker.job_folder import job_folder
+from worker.last_words import last_words
 from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
 from worker.outage import sit_out
 from worker.progress import Progress
+from worker.step_keeper import StepKeeper
 from worker.workshop import Workshop
 
 logger = logging.getLogger(__name__)
@@ -37,8 +41,9 @@ T = TypeVar("T")
 def supervise(workshop: Workshop, job: Job) -> None:
     """Bring a claimed job to an end, or give it back. What happens to the child never raises; a broken disk or database may."""
     progress = Progress()
-    attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress))
-    with job_folder(workshop.settings.scratch_dir, job) as folder:
+    steps = StepKeeper(workshop, job)
+    attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress), steps)
+    with job_folder(workshop.settings.scratch_dir, job) as folder, closing(steps):
         try:
             attempt.run(folder)
         except LeaseLostError:
@@ -46,17 +51,20 @@ def supervise(workshop: Workshop, job: Job) -> None:
         except DismissedError:
             sit_out(lambda: workshop.jobs.confirm_dismissed(job.id, job.lease_token))
         except ToldToStopError:
+            steps.flush(lambda: None, workshop.settings.lease_s / 3)
             if sit_out(lambda: workshop.jobs.release(job.id, job.lease_token)):
                 workshop.closing.left.append((job.id, job.attempt))
 
 
 class _Attempt:
-    def __init__(self, workshop: Workshop, job: Job, progress: Progress, lease: Lease) -> None:
+    def __init__(self, workshop: Workshop, job: Job, progress: Progress, lease: Lease, steps: StepKeeper) -> None:
         self._workshop = workshop
         self._job = job
         self._progress = progress
         self._lease = lease
+        self._steps = steps
         self._peak_bytes: int | None = None
+        self._last_words = LastWords()
 
     def run(self, folder: Path) -> None:
         """Raises LeaseLostError, DismissedError, ToldToStopError; the child is dead whenever this ends."""
@@ -64,6 +72,7 @@ class _Attempt:
         try:
             outcome = self._work(folder)
             self._peak_bytes = outcome.peak_bytes
+            self._last_words = last_words(outcome, self._progress.phase, folder)
             left = outcome.outputs
             if outcome.error is not None:
                 raise outcome.error
@@ -71,6 +80,7 @@ class _Attempt:
             outputs = self._store(result.outputs, folder)
         except IntegumentError as error:
             self._log(error, folder)
+            self._steps.flush(self._lease.beat)
             self._fail(error, left, folder)
         else:
             self._finish(result, outputs)
@@ -87,6 +97,7 @@ class _Attempt:
             while (outcome := child.outcome()) is None:
                 for message in child.events(WATCH_S):
                     self._progress.hear(message)
+                    self._steps.hear(message)
                 self._lease.beat()
                 if overrun is None and (overrun := find_overrun(child)) is not None:
                     child.kill()
@@ -116,7 +127,9 @@ class _Attempt:
                 "media_type": mesh.media_type,
                 "file_name": mesh.file_name,
             }
-        return {"process": self._job.process, "inputs": dict(self._job.inputs), "meshes": meshes, "out_dir": str(out)}
+        payload = {"process": self._job.process, "inputs": dict(self._job.inputs), "meshes": meshes, "out_dir": str(out)}
+        steps = self._steps.lay_out(folder, given, self._keep_beating)
+        return payload if steps is None else {**payload, "checkpoints": steps}
 
     def _store(self, listed: Iterable[ListedOutput], folder: Path) -> dict[str, JobOutput]:
         self._progress.enter("store")
@@ -154,6 +167,7 @@ class _Attempt:
                 timings_s=self._progress.timings_s(),
                 peak_memory_bytes=self._peak_bytes,
                 retry=error.code in RETRIED_CODES,
+                last_words=self._last_words,
             )
         )
         if job is not None and not job.status.is_finished:

@@ -12,12 +12,15 @@ from sandbox.nursery import Nursery
 from store.audit import Audit
 from store.blobs import Blobs
 from store.callbacks import Callbacks
+from store.checkpoints import Checkpoints
 from store.database import Database
 from store.doorbell import Doorbell
 from store.idempotency import IdempotencyKeys
 from store.jobs import Jobs
 from store.open_blobs import open_blobs
 from store.references import References
+from store.retention import Retention
+from store.retention_policy import RetentionPolicies, RetentionPolicy
 from store.settings import Settings
 from worker.closing import Closing
 
@@ -32,14 +35,17 @@ class Workshop:
     db: Database
     jobs: Jobs
     callbacks: Callbacks
+    checkpoints: Checkpoints
     blobs: Blobs
     references: References
     keys: IdempotencyKeys
     audit: Audit
+    retention: Retention
     doorbell: Doorbell
     nursery: Nursery
     closing: Closing
-    name: str  # of this worker, in leases and logs
+    host: str
+    name: str  # of this worker, in leases and logs: `host:process id`
     target: str = TARGET
 
     @classmethod
@@ -51,15 +57,18 @@ class Workshop:
             db=db,
             jobs=Jobs(db),
             callbacks=Callbacks(db),
+            checkpoints=Checkpoints(db, settings.checkpoint_bytes),
             blobs=open_blobs(settings, db),
             references=References(db),
             audit=Audit(db),
+            retention=Retention(db, RetentionPolicies(db, RetentionPolicy.of(settings))),
             keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),
             nursery=Nursery(
                 (target.partition(":")[0],) if preload is None else preload, require_confinement=settings.require_confinement
             ),
             closing=Closing(settings.drain_s),
+            host=socket.gethostname(),
             name=f"{socket.gethostname()}:{os.getpid()}",
             target=target,
         )
@@ -68,7 +77,7 @@ class Workshop:
     def limits(self) -> Limits:
         """Of one attempt of one job."""
         return Limits(
-            memory_bytes=self.settings.job_memory_bytes,
+            memory_bytes=min(self.settings.job_memory_bytes, self.settings.worker_memory_bytes),
             cpu_s=int(self.settings.job_cpu_s) or 1,
             file_bytes=self.settings.job_file_bytes,
             wall_s=self.settings.job_wall_s,

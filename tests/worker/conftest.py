@@ -105,7 +105,9 @@ def make_settings(data_dir: Path, valkey: ValkeyServer, **changes: Any) -> Setti
             "reconcile_s": 0.3,
             "rering_s": 1,
             "drain_s": 1,
+            "checkpoint_after_s": 0,
             "worker_concurrency": 2,
+            "look_s": 60,  # nobody looks without a bell
             **changes,
         },
     )

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from core.errors import InputError
+from core.processes.checkpoints.kept_steps import KeptSteps
+from core.run import RunContext
 from core.schema.finding import Finding, Severity
 from sandbox.channel import Channel
 from tests.sandbox import targets as hostile
@@ -54,8 +59,39 @@ def run(payload: Payload, channel: Channel) -> Payload:
                 {"kind": "progress", "progress": 100 * number / inputs["lines"], "phase": f"p{number % 3}", "message": ""}
             )
         return _write(payload, channel)
+    if act == "steps":
+        return _steps(payload, channel)
     result: Payload = getattr(hostile, act)(inputs, channel)
     return result
+
+
+def _steps(payload: Payload, channel: Channel) -> Payload:
+    """Three steps; ends or stops behind the first one of an attempt that found none, as inputs["end"] says."""
+    inputs, asked = payload["inputs"], payload["checkpoints"]
+    kept = {key: Path(path) for key, path in asked["kept"].items()}
+    steps = KeptSteps(
+        inputs.get("generation", "one"),
+        kept,
+        Path(asked["folder"]),
+        lambda key, stage: channel.send({"kind": "checkpoint", "key": key, "stage": stage}),
+        worth_s=asked["worth_s"],
+        room_bytes=asked["room_bytes"],
+    )
+    run = RunContext(lambda event: channel.send({"kind": "log", "message": event.message}), checkpoints=steps)
+    total = 0.0
+    for number in range(3):
+        total += float(run.checkpoint(f"step {number}", lambda number=number: np.sqrt(np.arange(1000.0) + number), number).sum())  # type: ignore[misc]
+        if number == 0 and not kept and "end" in inputs:
+            if inputs["end"] == "segfault":
+                print('File "/srv/secret/place/core/shells/advance.py", line 7', file=sys.stderr, flush=True)
+                hostile.segfault(payload, channel)
+            time.sleep(60)
+    _report(payload, f"{total!r}")
+    return {
+        "verdict": "simulation_ready",
+        "summary": f"{total!r}",
+        "outputs": [_output("report", payload["out_dir"] + "/report.json")],
+    }
 
 
 def _write(payload: Payload, channel: Channel) -> Payload:
