@@ -75,10 +75,12 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     services.ringer.start()
     services.nursery.start()  # loads in the background while the first requests come
     sweeping = asyncio.create_task(_sweep_uploads(services))
+    watching = asyncio.create_task(services.watch.run())
     try:
         yield
     finally:
         sweeping.cancel()
+        watching.cancel()
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
         await run_in_threadpool(services.trail.stop)

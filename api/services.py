@@ -12,6 +12,7 @@ from fastapi import Depends, Request
 from api.admission import Admission
 from api.audit_trail import AuditTrail
 from api.drain import Drain
+from api.job_watch import JobWatch
 from api.ringing import Ringer
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
@@ -24,6 +25,7 @@ from store.database import Database
 from store.doorbell import Doorbell
 from store.events import Events
 from store.idempotency import IdempotencyKeys
+from store.job_heads import JobHeads
 from store.jobs import Jobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
@@ -53,6 +55,8 @@ class Services:
     receivers: Receivers
     quotas: Quotas
     events: Events
+    heads: JobHeads
+    watch: JobWatch
     backlog: Backlog
     keys: IdempotencyKeys
     doorbell: Doorbell
@@ -83,6 +87,7 @@ def make_services(settings: Settings) -> Services:
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
     jobs = Jobs(db, quotas)
     doorbell = Doorbell(settings.broker_url, settings.queue)
+    heads, drain = JobHeads(db), Drain()
     return Services(
         settings=settings,
         db=db,
@@ -95,6 +100,8 @@ def make_services(settings: Settings) -> Services:
         receivers=Receivers(settings.callback_allow),
         quotas=quotas,
         events=Events(db),
+        heads=heads,
+        watch=JobWatch(heads, drain, settings.event_poll_s),
         backlog=Backlog(db),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
         doorbell=doorbell,
@@ -105,7 +112,7 @@ def make_services(settings: Settings) -> Services:
         trail=AuditTrail(Audit(db)),
         limiter=RateLimiter(settings.broker_url, settings.rate_per_s, settings.rate_burst),
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
-        drain=Drain(),
+        drain=drain,
     )
 
 

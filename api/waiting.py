@@ -16,9 +16,10 @@ async def wait_until(services: Services, job: Job, wait_s: float, reached: Calla
 
     Between two looks no thread is held."""
     deadline = time.monotonic() + wait_s
-    while not reached(job) and not services.drain.begun and (left := deadline - time.monotonic()) > 0:
-        await services.drain.pause(min(services.settings.event_poll_s, left))
-        job = await run_in_threadpool(services.jobs.get, job.workspace, job.id)
+    with services.watch.watching(job.id) as watched:
+        while not reached(job) and not services.drain.begun and (left := deadline - time.monotonic()) > 0:
+            await watched.news(job.event_seq, left)
+            job = await run_in_threadpool(services.jobs.get, job.workspace, job.id)
     return job
 
 

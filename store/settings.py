@@ -200,7 +200,7 @@ class Settings(BaseSettings):
     callback_allow: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names), AfterValidator(_checked_receivers)] = Field(
         (), description="Host names, addresses and networks callbacks may go to besides the public internet, also by http"
     )
-    event_poll_s: Seconds = Field(0.25, description="How often an event stream looks for new events")
+    event_poll_s: Seconds = Field(0.1, description="How often the API looks for news of jobs, once for all who wait for some")
     log_format: Literal["auto", "json", "text"] = Field(
         "auto", description="Lines of the logs: `json`, `text`, or `auto`: text on a terminal, JSON elsewhere"
     )

@@ -15,14 +15,13 @@ from api.access import Access, AccessDep
 from api.parameters import JobId
 from api.responses import problems
 from api.services import Services, ServicesDep
-from core.errors import StateError
 from store.events import Event
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
 
 RETRY_MS = 3000
 DONE = "done"
-STILL_THERE_S = 2.0  # how often a silent stream makes sure that its job was not removed
+STILL_THERE_S = 2.0  # how often a silent stream makes sure that whoever listens is still let in
 BATCH = 500
 LARGEST_SEQ = 2**31 - 1
 
@@ -71,21 +70,24 @@ async def stream_events(
 ) -> AsyncIterator[ServerSentEvent]:
     """The events of a job from the first, or after the last one seen. The stream ends with `done`."""
     yield ServerSentEvent(retry=RETRY_MS, comment="events of a job")
-    seen, looked_at = stream.after, -STILL_THERE_S
-    while not services.drain.begun:
-        events = await run_in_threadpool(services.events.after, stream.access.workspace, stream.job_id, seen, BATCH)
-        for event in events:
-            last = event.type == DONE and await run_in_threadpool(_is_last, services, stream, event)
-            yield _sent(event, last)
-            seen = event.seq
-            if last:
-                return
-        if not events:
-            if time.monotonic() - looked_at > STILL_THERE_S:
+    seen, looked_at = stream.after, time.monotonic()
+    with services.watch.watching(stream.job_id) as job:
+        while not services.drain.begun:
+            events = await run_in_threadpool(services.events.after, stream.access.workspace, stream.job_id, seen, BATCH)
+            for event in events:
+                last = event.type == DONE and await run_in_threadpool(_is_last, services, event)
+                yield _sent(event, last)
+                seen = event.seq
+                if last:
+                    return
+            if events:
+                continue
+            await job.news(seen, STILL_THERE_S)
+            is_over = job.head is None or (job.head.finished and job.head.seq <= seen)
+            if is_over or time.monotonic() - looked_at > STILL_THERE_S:
                 looked_at = time.monotonic()
                 if not await run_in_threadpool(_is_open, services, stream, seen):
                     return
-            await services.drain.pause(services.settings.event_poll_s)
 
 
 def _sent(event: Event, last: bool) -> ServerSentEvent:
@@ -95,19 +97,14 @@ def _sent(event: Event, last: bool) -> ServerSentEvent:
     return ServerSentEvent(event=kind, id=str(event.seq), data=data)
 
 
-def _is_last(services: Services, stream: _Stream, event: Event) -> bool:
-    try:
-        return services.jobs.get(stream.access.workspace, event.job_id).event_seq == event.seq
-    except StateError:  # removed just now
-        return True
+def _is_last(services: Services, event: Event) -> bool:
+    head = services.heads.of((event.job_id,)).get(event.job_id)
+    return head is None or head.seq == event.seq  # None: removed just now
 
 
 def _is_open(services: Services, stream: _Stream, seen: int) -> bool:
     """False if the job is gone, or over and all its events were seen before, or whoever listens is no longer let in."""
     if not services.admission.holds(stream.access):
         return False
-    try:
-        job = services.jobs.get(stream.access.workspace, stream.job_id)
-    except StateError:
-        return False
-    return not job.status.is_finished or job.event_seq > seen
+    head = services.heads.of((stream.job_id,)).get(stream.job_id)
+    return head is not None and (not head.finished or head.seq > seen)
