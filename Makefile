@@ -45,5 +45,8 @@ test: check $(PAGE) chromium ## everything a release needs
 bench: $(STAMP) ## compare with peers; prints ratios
 	$(BIN)/python -m benchmarks
 
+load: $(STAMP) ## load a server of its own on loopback; prints what it holds of its promises, about 15 minutes
+	$(BIN)/python -m benchmarks.load
+
 clean: ## forget the environment and everything made
 	rm -rf $(VENV) .uv out web/node_modules api/static

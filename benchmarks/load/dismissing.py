@@ -1,0 +1,76 @@
+"""A job taken back at any stage: until it is dismissed and nothing of it runs any more."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+
+import aiohttp
+
+from benchmarks.load.client import Client, client_of
+from benchmarks.load.measure import Measure, Part
+from benchmarks.load.size import Size
+from benchmarks.load.stand import Stand
+from subjects.body import body
+from tests.acceptance.service import FINISHED, binary_stl
+
+LIMIT_S = 2.0
+LOOK_S = 0.02
+PATIENCE_S = 300.0
+
+
+async def dismiss(stand: Stand, size: Size) -> Part:
+    """The main job on the real body, dismissed when it is so many % done."""
+    took_s = []
+    async with client_of(stand) as client:
+        form = aiohttp.FormData({"unit": "mm"})
+        form.add_field("file", binary_stl(body(0)), filename="body.stl")
+        made, _ = await client.ask("POST", "/v1/meshes", 201, data=form)
+        skin = f"/v1/meshes/{json.loads(made)['id']}"
+        for percent in size.dismissed_at:
+            job, _ = await client.execute("shells", {"skin": {"href": skin}})
+            if await _reaches(client, job, percent):
+                took_s.append(await _take_back(client, stand, job))
+    count = len(took_s)
+    longest = max(took_s, default=float("nan"))
+    return Part(
+        "dismissals",
+        (
+            Measure("jobs dismissed, one at each stage", count, "jobs", len(size.dismissed_at), at_least=True),
+            Measure("dismissed and dead, longest", longest, "s", LIMIT_S),
+        ),
+        tuple(client.errors),
+    )
+
+
+async def _reaches(client: Client, job: str, percent: int) -> bool:
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        status = await client.status(job)
+        if status.get("status") in FINISHED:
+            client.errors.append(f"job {job} was over before {percent} %: {status}")
+            return False
+        if status.get("status") == "running" and status["progress"] >= percent:
+            return True
+        await asyncio.sleep(LOOK_S)
+    client.errors.append(f"job {job} never came to {percent} %")
+    return False
+
+
+async def _take_back(client: Client, stand: Stand, job: str) -> float:
+    """Seconds from the request to a dismissed job of which no process is left."""
+    began = time.perf_counter()
+    await client.ask("DELETE", f"/v1/jobs/{job}", 200)
+    while time.perf_counter() - began < PATIENCE_S:
+        status = (await client.status(job)).get("status")
+        if status == "dismissed" and not _has_children(stand):
+            return time.perf_counter() - began
+        await asyncio.sleep(LOOK_S)
+    client.errors.append(f"job {job} is still {status}")
+    return PATIENCE_S
+
+
+def _has_children(stand: Stand) -> bool:
+    """Whether a nursery of the workers still has a child."""
+    return any(nursery.children() for worker in stand.workers for nursery in worker.children())
