@@ -29,6 +29,7 @@ def describe_job(request: Request, job: Job, queue_position: int | None = None) 
         started=job.started_at,
         finished=job.finished_at,
         updated=job.updated_at,
+        expires=job.expires_at,
         phase=job.phase or None,
         queue_position=queue_position,
         attempt=job.attempt,

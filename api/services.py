@@ -33,6 +33,7 @@ from store.open_blobs import open_blobs
 from store.quotas import Quotas
 from store.rate_limit import RateLimiter
 from store.receivers import Receivers
+from store.retention_policy import RetentionPolicies, RetentionPolicy
 from store.settings import Settings
 from store.uploads import Uploads
 
@@ -85,7 +86,7 @@ def make_services(settings: Settings) -> Services:
     db = Database(settings)
     blobs = open_blobs(settings, db)
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
-    jobs = Jobs(db, quotas)
+    jobs = Jobs(db, quotas, RetentionPolicies(db, RetentionPolicy.of(settings)))
     doorbell = Doorbell(settings.broker_url, settings.queue)
     heads, drain = JobHeads(db), Drain()
     return Services(

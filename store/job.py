@@ -89,7 +89,9 @@ class JobFailure:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A snapshot of one job. `attempt` counts from 1; `lease_token` is the fencing token of the latest claim."""
+    """A snapshot of one job. `attempt` counts from 1; `lease_token` is the fencing token of the latest claim.
+
+    `expires_at`: when it is removed with its results, where that was asked for; None: never, or not before it has ended."""
 
     id: str
     workspace: WorkspaceId
@@ -122,3 +124,4 @@ class Job:
     queue: JobQueue
     expected_memory_bytes: int
     expected_cpu_s: float | None
+    expires_at: datetime | None = None

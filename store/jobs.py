@@ -23,6 +23,7 @@ from store.queue_position import find_queue_position
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
+from store.retention_policy import RetentionPolicies
 from store.transition import announce, end_dismissed, no_such_job, owned, queue_again, snapshot
 from store.workspace import WorkspaceId
 
@@ -33,10 +34,13 @@ class Jobs(Admission, Claims, Reconciliation):
     To a workspace the jobs of others do not exist: they are looked for by id and workspace in one query, so what is foreign
     costs and says the same as what is not there."""
 
-    def __init__(self, db: Database, quotas: Quotas | None = None) -> None:
-        """Without `quotas` nobody is limited: for workers, which only take what was accepted."""
+    def __init__(self, db: Database, quotas: Quotas | None = None, retention: RetentionPolicies | None = None) -> None:
+        """Without `quotas` nobody is limited: for workers, which only take what was accepted.
+
+        With `retention`, jobs that are looked up tell when they expire."""
         super().__init__(db)
         self._quotas = quotas
+        self._retention = retention
 
     def create(
         self,
@@ -104,7 +108,7 @@ class Jobs(Admission, Claims, Reconciliation):
     def get(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Raises StateError `job.not_found`."""
         with self._db.reading() as session:
-            return snapshot(owned(session, workspace, job_id))
+            return self._dated(session, snapshot(owned(session, workspace, job_id)))
 
     def list(
         self,
@@ -131,8 +135,13 @@ class Jobs(Admission, Claims, Reconciliation):
         with self._db.reading() as session:
             rows = session.scalars(query).all()
             more = len(rows) > limit
-            items = tuple(snapshot(row) for row in rows[:limit])
+            items = tuple(self._dated(session, snapshot(row)) for row in rows[:limit])
             return Page(items, to_cursor(items[-1].created_at, items[-1].id) if more else None)
+
+    def _dated(self, session: Session, job: Job) -> Job:
+        if self._retention is None or not job.status.is_finished:
+            return job
+        return replace(job, expires_at=self._retention.policy(job.workspace, session).expires_at(job.finished_at))
 
     def queue_position(self, workspace: WorkspaceId, job_id: str) -> int | None:
         """1 for the job that is taken next, those of all workspaces counted; None if the job does not wait.

@@ -39,6 +39,9 @@ class WorkspaceRow(Record):
     created_at: Mapped[datetime] = mapped_column(Instant)
     quota_bytes: Mapped[int | None] = mapped_column(BigInteger)  # None: as the settings say; 0: no limit
     quota_jobs: Mapped[int | None]
+    keep_jobs_days: Mapped[float | None]  # None: as the settings say; 0: for ever
+    keep_meshes_days: Mapped[float | None]
+    keep_events_days: Mapped[float | None]
 
 
 class MeshRow(Record):
@@ -76,6 +79,7 @@ class JobRow(Record):
         Index(None, "workspace", "output_bytes"),
         Index(None, "workspace", "fingerprint"),
         Index(None, "status", "queued_at", "id"),
+        Index(None, "workspace", "finished_at"),
     )
 
     id: Mapped[str] = mapped_column(Identifier, primary_key=True)
@@ -110,6 +114,7 @@ class JobRow(Record):
     queue: Mapped[str] = mapped_column(String(8), server_default=UNKNOWN.queue.value)
     expected_memory_bytes: Mapped[int] = mapped_column(BigInteger, server_default=text(str(UNKNOWN.memory_bytes)))
     expected_cpu_s: Mapped[float | None]
+    events_trimmed_at: Mapped[datetime | None] = mapped_column(Instant)  # when progress and log lines were removed
     traceparent: Mapped[str | None] = mapped_column(String(64))  # W3C: the trace of the request that accepted it
     fingerprint: Mapped[str | None] = mapped_column(Digest)  # of what is asked for, by content; None: accepted by an older server
 
@@ -134,6 +139,7 @@ class JobInputRow(Record):
     """A mesh a job reads, bound to its bytes when the job was accepted."""
 
     __tablename__ = "job_inputs"
+    __table_args__ = (Index(None, "sha256"),)
 
     job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     href: Mapped[str] = mapped_column(String(500), primary_key=True)

@@ -212,7 +212,9 @@ class Settings(BaseSettings):
         0.0, description="Progress and log lines of jobs that ended longer ago are removed; 0: with the job"
     )
     disk_floor_bytes: ByteSize = Field(
-        ByteSize(GIB // 4), ge=0, description="With less free on the disk of the data folder, new work is refused by `storage.low`"
+        ByteSize(GIB // 4),
+        ge=0,
+        description="With less free on the disk of the data folder, new work is refused by `storage.low`",
     )
     audit_days: float = Field(365.0, gt=0, allow_inf_nan=False, description="How long the audit log is kept")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")

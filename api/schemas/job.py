@@ -40,6 +40,7 @@ class StatusInfo(Document):
     started: datetime | None = None
     finished: datetime | None = None
     updated: datetime
+    expires: datetime | None = Field(None, description="When the job is removed with its results; absent: never")
     phase: str | None = Field(None, description="The step being worked on, `shells: fat`")
     queue_position: int | None = Field(None, alias="queuePosition", description="1: next in line; only while accepted")
     attempt: int = Field(ge=1, description="Counts the runs, automatic and asked for")
