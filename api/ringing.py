@@ -67,7 +67,7 @@ class Ringer:
     def _announce(self, jobs: list[Job]) -> None:
         rung = []
         for job in jobs:
-            if not self._doorbell.ring(job.id, job.attempt):
+            if not self._doorbell.ring(job.id, job.attempt, job.queue):
                 break  # the others would wait as long in vain
             rung.append((job.id, job.attempt))
         if rung:

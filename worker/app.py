@@ -5,16 +5,22 @@ from __future__ import annotations
 from celery import Celery
 from kombu import Queue
 
-from store.doorbell import TASK
-from worker.task import run_job
+from store.doorbell import TASK, queue_name
+from store.settings import Settings
+from worker.crew import Crew
 from worker.transport import install
 from worker.workshop import Workshop
 
 DAY_S = 86_400
 
 
-def create_app(workshop: Workshop) -> Celery:
-    """One task, `jobs.run(job_id, attempt)`, JSON only."""
+def heard_queues(settings: Settings) -> list[str]:
+    """The broker's names of the queues a worker listens to."""
+    return [queue_name(settings.queue), *(queue_name(settings.queue, queue) for queue in settings.worker_queues)]
+
+
+def create_app(workshop: Workshop, crew: Crew) -> Celery:
+    """One task, `jobs.run(job_id, attempt)`, JSON only; what it says is not looked at."""
     install()
     settings = workshop.settings
     app = Celery("integument", broker=settings.broker_url, set_as_current=False)
@@ -24,7 +30,7 @@ def create_app(workshop: Workshop) -> Celery:
         result_serializer="json",
         task_ignore_result=True,
         task_store_errors_even_if_ignored=False,
-        task_queues=[Queue(settings.queue)],
+        task_queues=[Queue(name) for name in heard_queues(settings)],
         task_default_queue=settings.queue,
         # a message is spent once taken: duplicates and losses are mended from the job table, never by the broker
         task_acks_late=False,
@@ -47,7 +53,7 @@ def create_app(workshop: Workshop) -> Celery:
     )
 
     @app.task(name=TASK, ignore_result=True)
-    def run(job_id: str, attempt: int) -> None:
-        run_job(workshop, job_id, attempt)
+    def run(job_id: object = None, attempt: object = None) -> None:
+        crew.ring()
 
     return app

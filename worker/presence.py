@@ -33,7 +33,7 @@ class Presence:
             host=socket.gethostname(),
             version=SERVER_VERSION,
             concurrency=self._settings.worker_concurrency,
-            memory_bytes=self._settings.worker_concurrency * self._settings.job_memory_bytes,
+            memory_bytes=self._settings.worker_memory_bytes,
             disk_free_bytes=shutil.disk_usage(self._settings.data_dir).free,
             draining=self._closing.has_begun,
         )

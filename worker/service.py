@@ -12,8 +12,9 @@ from store.metrics import Metrics
 from store.receivers import Receivers
 from store.settings import Settings
 from store.stored_bytes import StoredBytes
-from worker.app import create_app
+from worker.app import create_app, heard_queues
 from worker.callback_sender import CallbackSender
+from worker.crew import Crew
 from worker.deliverer import Deliverer
 from worker.liveness import Liveness
 from worker.periodic import Periodic
@@ -36,6 +37,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
     sender = CallbackSender(Receivers(settings.callback_allow), settings.callback_secret)
     deliverer = Deliverer(workshop.callbacks, sender)
     presence = Presence(workshop)
+    crew = Crew(workshop)
     rounds = (
         Periodic("presence", presence.beat, settings.reconcile_s),
         Periodic("metrics", Metrics(workshop.db).fold, settings.reconcile_s),
@@ -51,16 +53,16 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         logger.info("worker %s is ready, %d jobs at a time", workshop.name, settings.worker_concurrency)
 
     def on_stop(**_: Any) -> None:
-        workshop.closing.begin()
+        workshop.closing.begin()  # the crew sees it
         reconciler.let_go()
         deliverer.let_go()
 
     worker_ready.connect(on_ready, weak=False)
     worker_shutting_down.connect(on_stop, weak=False)
-    worker = create_app(workshop).Worker(
+    worker = create_app(workshop, crew).Worker(
         pool=BellTaskPool,
-        concurrency=settings.worker_concurrency,
-        queues=[settings.queue],
+        concurrency=1,  # it only passes bells on
+        queues=heard_queues(settings),
         hostname=f"integument@{workshop.name}",
         loglevel="INFO",
         without_gossip=True,
@@ -68,9 +70,12 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         without_heartbeat=True,
         task_events=False,
     )
+    crew.start()  # a broker that is away keeps nobody from looking
     try:
         worker.start()
     finally:
+        workshop.closing.begin()
+        crew.drain()
         reconciler.stop()
         deliverer.stop(settings.drain_s)
         for one in rounds:

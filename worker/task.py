@@ -1,4 +1,4 @@
-"""The body of the Celery task: claim, supervise, never raise."""
+"""One claimed job in a thread of the worker: supervise, never raise."""
 
 from __future__ import annotations
 
@@ -12,25 +12,12 @@ from worker.workshop import Workshop
 logger = logging.getLogger(__name__)
 
 
-def run_job(workshop: Workshop, job_id: str, attempt: int) -> None:
-    """Safe to deliver twice: `claim` hands an attempt of a job to one caller only.
-
-    Nothing escapes from here: Celery takes a MemoryError for its own end, and a SystemExit as well."""
-    if workshop.closing.has_begun:
-        workshop.closing.left.append((job_id, attempt))
-        return
-    try:
-        job = workshop.jobs.claim(job_id, attempt, workshop.name, workshop.settings.lease_s)
-        if job is None:
-            logger.debug("job %s attempt %d is not to be had", job_id, attempt)
-            return
-    except BaseException:
-        logger.exception("job %s: cannot be claimed; it is announced again later", job_id)
-        return
+def run_job(workshop: Workshop, job: Job) -> None:
+    """Bring a claimed job to its end. Nothing escapes from here: the thread has other jobs to do."""
     try:
         supervise(workshop, job)
     except BaseException as error:
-        logger.exception("job %s: the worker stumbled", job_id)
+        logger.exception("job %s: the worker stumbled", job.id)
         _give_up(workshop, job, error)
 
 

@@ -20,6 +20,8 @@ from tests.api.conftest import QUEUE
 from tests.api.live import Live, problem_of, serving
 from tests.valkey import ValkeyServer
 
+HEARD = f"{QUEUE}.fast"
+
 LAYERS = [
     {"name": "fat", "depth_mm": 1.0, "side": "inside"},
     {"name": "average_body", "depth_mm": 3.0, "side": "inside"},
@@ -29,7 +31,7 @@ NOWHERE = "/v1/meshes/00000000-0000-4000-8000-000000000000"
 
 def test_an_accepted_job_is_described_and_announced(api: Live, mesh_href: str, shared_valkey: ValkeyServer) -> None:
     broker = redis.Redis(unix_socket_path=str(shared_valkey.socket_path))
-    broker.delete(QUEUE)
+    broker.delete(HEARD)
     response = api.execute("shells", {"skin": {"href": mesh_href}})
     assert response.status_code == 201
     told = response.json()
@@ -42,8 +44,8 @@ def test_an_accepted_job_is_described_and_announced(api: Live, mesh_href: str, s
     job = api.announced(told["jobID"])
     assert job.inputs["layers"] == LAYERS, "defaults are written down, so a later version cannot change the job"
     assert list(job.mesh_inputs) == [mesh_href]
-    assert broker.llen(QUEUE) == 1
-    message = json.loads(broker.lindex(QUEUE, 0))
+    assert broker.llen(HEARD) == 1
+    message = json.loads(broker.lindex(HEARD, 0))
     assert told["jobID"] in json.dumps(message["headers"])
 
 

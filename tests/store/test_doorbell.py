@@ -15,6 +15,7 @@ from urllib.parse import quote
 import pytest
 import redis
 
+from core.schema.expectation import JobQueue
 from store.doorbell import Doorbell
 from tests.valkey import ValkeyServer
 
@@ -55,6 +56,12 @@ def test_the_queue_can_be_named(valkey: ValkeyServer) -> None:
     assert bell.ring(JOB, 1)
     bell.close()
     assert (len(waiting(valkey, "heavy")), len(waiting(valkey, "jobs"))) == (1, 0)
+
+
+def test_fast_and_heavy_jobs_are_told_to_their_own_workers(valkey: ValkeyServer, doorbell: Doorbell) -> None:
+    for queue in JobQueue:
+        assert doorbell.ring(JOB, 1, queue)
+    assert [len(waiting(valkey, name)) for name in ("jobs.fast", "jobs.heavy", "jobs")] == [1, 1, 0]
 
 
 def test_a_quoted_path_with_a_database_number_works(valkey: ValkeyServer) -> None:

@@ -49,7 +49,10 @@ def service(warm: Workshop) -> Iterator[Service]:
 
 
 def claim(workshop: Workshop, act: str, **inputs: object) -> Job:
-    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": act, **inputs})
+    return take(workshop, workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": act, **inputs}))
+
+
+def take(workshop: Workshop, job: Job) -> Job:
     claimed = workshop.jobs.claim(job.id, 1, "me", 30)
     assert claimed is not None
     return claimed
@@ -93,7 +96,7 @@ def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> N
 def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
     mesh = MeshInput("/v1/meshes/1", "skin", "0" * 64, "model/stl", "skin.stl")
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}, mesh_inputs=[mesh])
-    run_job(workshop, job.id, 1)
+    run_job(workshop, take(workshop, job))
     failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "blob.missing"
@@ -103,18 +106,10 @@ def test_an_error_of_the_worker_itself_fails_the_job_and_goes_no_further(worksho
     (tmp_path / "file").touch()
     broken = replace(workshop, settings=workshop.settings.model_copy(update={"data_dir": tmp_path / "file"}))
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
-    run_job(broken, job.id, 1)
+    run_job(broken, take(workshop, job))
     failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "worker.raised"
-
-
-def test_a_worker_that_stops_claims_nothing(workshop: Workshop) -> None:
-    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
-    workshop.closing.begin()
-    run_job(workshop, job.id, 1)
-    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.ACCEPTED
-    assert list(workshop.closing.left) == [(job.id, 1)]
 
 
 def test_a_job_can_be_dismissed_and_keeps_its_lease_while_the_nursery_loads(
