@@ -1,17 +1,28 @@
 import { useEffect, useRef } from "preact/hooks";
 import icon from "./icon.svg";
+import { JobPage } from "./pages/job";
+import { JobsPage } from "./pages/jobs";
 import { MeshesPage } from "./pages/meshes";
+import { NewJobPage } from "./pages/new_job";
 import { KeyDialog, useKeyDialog } from "./parts/key_dialog";
 import { ServerBanner, useServerState } from "./parts/server_state";
 import { ThemeChoice } from "./parts/theme_choice";
 import { type Place, usePlace } from "./router";
 
-const NAVIGATION = [["", "Meshes"]] as const;
+const NAVIGATION = [
+  ["", "Meshes"],
+  ["new", "New job"],
+  ["jobs", "Jobs"],
+] as const;
 
 function Body({ place }: { place: Place }) {
   switch (place.path[0]) {
     case undefined:
       return <MeshesPage chosenId={place.query.get("mesh") ?? undefined} />;
+    case "new":
+      return <NewJobPage query={place.query} />;
+    case "jobs":
+      return place.path[1] ? <JobPage id={place.path[1]} /> : <JobsPage />;
     default:
       return (
         <div class="card empty">

@@ -180,8 +180,9 @@ export class Viewer {
     this.draw();
   }
 
-  onView(listen: () => void): void {
+  onView(listen: () => void): () => void {
     this.listeners.add(listen);
+    return () => this.listeners.delete(listen);
   }
 
   dispose(): void {

@@ -1,0 +1,252 @@
+import type { Job, MeshInfo, Schema } from "../api/types";
+import type { Bounds } from "../mesh/triangles";
+import { DepthsInput } from "./depths_input";
+import { LayersTable } from "./layers_table";
+import { NumberInput } from "./number_input";
+import {
+  hrefOf,
+  meshChoices,
+  namedReferences,
+  packageChoices,
+  ReferenceInput,
+  ReferencesInput,
+} from "./references_input";
+import { RegionsInput } from "./regions_input";
+import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
+import { asDepths, asLayers, asRegions, type Reference } from "./values";
+
+/** What controls may need to know besides their own value. */
+export interface FormContext {
+  meshes: readonly MeshInfo[];
+  jobs: readonly Job[];
+  layers: readonly string[];
+  arrays: readonly string[];
+  bounds: Bounds | null;
+}
+
+interface FieldProps {
+  name: string;
+  schema: Schema;
+  required: boolean;
+  value: unknown;
+  context: FormContext;
+  problem?: string | undefined;
+  onValue: (value: unknown) => void;
+}
+
+const LABELLED: readonly Kind[] = ["reference", "package", "choice", "number", "text", "json"];
+
+export function Field(props: FieldProps) {
+  const { name, schema, problem } = props;
+  const kind = kindOf(schema);
+  const id = `input-${name}`;
+  const title = labelOf(name);
+  const hint = schema.description?.replaceAll("`", "");
+  return (
+    <div class="field">
+      {kind === "flag" ? (
+        <label class="row">
+          <Control {...props} kind={kind} id={id} />
+          {title}
+        </label>
+      ) : (
+        <>
+          {LABELLED.includes(kind) ? <label for={id}>{title}</label> : <h3>{title}</h3>}
+          <Control {...props} kind={kind} id={id} />
+        </>
+      )}
+      {hint && kind !== "reference" && kind !== "package" && <p class="muted small">{hint}</p>}
+      {problem && (
+        <p class="note bad small" role="alert">
+          {problem}
+        </p>
+      )}
+    </div>
+  );
+}
+
+function Control({
+  name,
+  schema,
+  required,
+  value,
+  context,
+  onValue,
+  kind,
+  id,
+}: FieldProps & { kind: Kind; id: string }) {
+  const fallback = schema.default;
+  switch (kind) {
+    case "reference":
+    case "package":
+      return (
+        <ReferenceInput
+          id={id}
+          choices={kind === "package" ? packageChoices(context.jobs) : meshChoices(context.meshes)}
+          href={hrefOf(value)}
+          optional={!required}
+          onHref={(href) => onValue(href ? { href } : undefined)}
+        />
+      );
+    case "references":
+    case "named_references": {
+      const list = Array.isArray(value)
+        ? (value as Reference[])
+        : Object.values((value ?? {}) as Record<string, Reference>);
+      return (
+        <ReferencesInput
+          label={labelOf(name)}
+          choices={meshChoices(context.meshes)}
+          chosen={list.map((one) => one.href)}
+          onChosen={(hrefs) => {
+            if (hrefs.length === 0) onValue(undefined);
+            else
+              onValue(kind === "references" ? hrefs.map((href) => ({ href })) : namedReferences(hrefs, context.meshes));
+          }}
+        />
+      );
+    }
+    case "layers":
+      return <LayersTable layers={asLayers(value ?? fallback)} arrays={context.arrays} onLayers={onValue} />;
+    case "regions":
+      return (
+        <RegionsInput
+          what="region"
+          schema={regionSchema(schema)!}
+          regions={asRegions(value ?? fallback)}
+          layers={context.layers}
+          bounds={context.bounds}
+          onRegions={onValue}
+        />
+      );
+    case "auto_or_regions": {
+      const boxes = Array.isArray(value);
+      return (
+        <div class="stack">
+          <div class="row">
+            <label class="row">
+              <input type="radio" name={id} checked={!boxes} onChange={() => onValue(undefined)} /> Find them (auto)
+            </label>
+            <label class="row">
+              <input type="radio" name={id} checked={boxes} onChange={() => onValue([])} /> Boxes
+            </label>
+          </div>
+          {boxes && (
+            <RegionsInput
+              what={name === "ears" ? "ear" : "region"}
+              schema={regionSchema(schema)!}
+              regions={asRegions(value)}
+              layers={context.layers}
+              bounds={context.bounds}
+              onRegions={onValue}
+            />
+          )}
+        </div>
+      );
+    }
+    case "depths":
+      return (
+        <DepthsInput
+          of={labelOf(name)}
+          depths={asDepths(value ?? fallback)}
+          layers={context.layers}
+          onDepths={onValue}
+        />
+      );
+    case "choice":
+      return (
+        <select
+          id={id}
+          value={String(value ?? fallback ?? "")}
+          onChange={(event) => onValue(event.currentTarget.value)}
+        >
+          {schema.enum!.map((one) => (
+            <option key={String(one)}>{String(one)}</option>
+          ))}
+        </select>
+      );
+    case "flag":
+      return (
+        <input
+          id={id}
+          type="checkbox"
+          checked={Boolean(value ?? fallback)}
+          onChange={(event) => onValue(event.currentTarget.checked)}
+        />
+      );
+    case "number":
+      return (
+        <NumberInput
+          id={id}
+          value={value as number | undefined}
+          placeholder={fallback === null || fallback === undefined ? "" : String(fallback)}
+          min={schema.minimum}
+          max={schema.maximum}
+          whole={schema.type === "integer"}
+          onValue={onValue}
+        />
+      );
+    case "text":
+      return (
+        <input
+          id={id}
+          value={String(value ?? "")}
+          placeholder={String(fallback ?? "")}
+          onChange={(event) => onValue(event.currentTarget.value || undefined)}
+        />
+      );
+    case "group":
+      return <Group schema={schema} required={required} value={value} context={context} onValue={onValue} />;
+    case "json":
+      return (
+        <textarea
+          id={id}
+          rows={3}
+          value={value === undefined ? "" : JSON.stringify(value)}
+          placeholder={JSON.stringify(fallback)}
+          onChange={(event) => {
+            const text = event.currentTarget.value.trim();
+            try {
+              onValue(text ? JSON.parse(text) : undefined);
+              event.currentTarget.setCustomValidity("");
+            } catch {
+              event.currentTarget.setCustomValidity("This is no JSON.");
+              event.currentTarget.reportValidity();
+            }
+          }}
+        />
+      );
+  }
+}
+
+/** An object with fields of its own; one that may be left out has a switch. */
+function Group(props: Pick<FieldProps, "schema" | "required" | "value" | "context" | "onValue">) {
+  const { schema, required, context, onValue } = props;
+  const given = props.value as Record<string, unknown> | undefined;
+  return (
+    <div class="stack">
+      {!required && (
+        <label class="row">
+          <input
+            type="checkbox"
+            checked={given !== undefined}
+            onChange={(event) => onValue(event.currentTarget.checked ? {} : undefined)}
+          />
+          Use it
+        </label>
+      )}
+      {(required || given !== undefined) &&
+        Object.entries(schema.properties ?? {}).map(([name, one]) => (
+          <Field
+            key={name}
+            name={name}
+            schema={one}
+            required={schema.required?.includes(name) ?? false}
+            value={given?.[name]}
+            context={context}
+            onValue={(value) => onValue({ ...given, [name]: value })}
+          />
+        ))}
+    </div>
+  );
+}

@@ -1,0 +1,96 @@
+import type { Job, MeshInfo } from "../api/types";
+import type { Reference } from "./values";
+
+/** Choices among what the server holds. Names are text, whatever is in them. */
+
+export interface Choice {
+  href: string;
+  title: string;
+}
+
+export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
+  return meshes.map((mesh) => ({
+    href: `/v1/meshes/${mesh.id}`,
+    title: `${mesh.name} (${mesh.faces.toLocaleString("en")} faces)`,
+  }));
+}
+
+export function packageChoices(jobs: readonly Job[]): Choice[] {
+  return jobs
+    .filter((job) => job.processID !== "validate" && job.processID !== "graft")
+    .map((job) => ({
+      href: `/v1/jobs/${job.jobID}/results/package`,
+      title: `${job.processID}, ${new Date(job.created).toLocaleString("en-GB")}: ${job.summary ?? ""}`,
+    }));
+}
+
+export function ReferenceInput(props: {
+  id: string;
+  choices: readonly Choice[];
+  href: string;
+  optional: boolean;
+  onHref: (href: string) => void;
+}) {
+  const { choices, href } = props;
+  const known = choices.some((one) => one.href === href);
+  return (
+    <select id={props.id} value={href} onChange={(event) => props.onHref(event.currentTarget.value)}>
+      <option value="">{props.optional ? "None" : "Choose…"}</option>
+      {href && !known && <option value={href}>{href}</option>}
+      {choices.map((one) => (
+        <option key={one.href} value={one.href}>
+          {one.title}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+export function ReferencesInput(props: {
+  label: string;
+  choices: readonly Choice[];
+  chosen: readonly string[];
+  onChosen: (hrefs: string[]) => void;
+}) {
+  const { choices, chosen, onChosen } = props;
+  return (
+    <fieldset class="stack">
+      <legend class="hidden-label">{props.label}</legend>
+      {choices.length === 0 && <p class="muted">Nothing was uploaded yet.</p>}
+      {choices.map((one) => (
+        <label key={one.href} class="row">
+          <input
+            type="checkbox"
+            checked={chosen.includes(one.href)}
+            onChange={(event) =>
+              onChosen(event.currentTarget.checked ? [...chosen, one.href] : chosen.filter((href) => href !== one.href))
+            }
+          />
+          {one.title}
+        </label>
+      ))}
+    </fieldset>
+  );
+}
+
+export function hrefOf(value: unknown): string {
+  return (value as Reference | undefined)?.href ?? "";
+}
+
+/** Names as the server takes them, unlike each other, for surfaces that go in together. */
+export function namedReferences(hrefs: readonly string[], meshes: readonly MeshInfo[]): Record<string, Reference> {
+  const named: Record<string, Reference> = {};
+  for (const href of hrefs) {
+    const found = meshes.find((mesh) => href.endsWith(mesh.id))?.name ?? "mesh";
+    const plain =
+      found
+        .replace(/[^A-Za-z0-9_-]+/g, "_")
+        .replace(/^[^A-Za-z0-9]+/, "")
+        .slice(0, 56) || "mesh";
+    let name = plain;
+    const taken = () => Object.keys(named).some((one) => one.toLowerCase() === name.toLowerCase());
+    for (let number = 2; taken(); number++) name = `${plain}_${number}`;
+    named[name] = { href };
+  }
+  return named;
+}

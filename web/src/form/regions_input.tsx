@@ -1,0 +1,116 @@
+import type { Schema } from "../api/types";
+import type { Bounds } from "../mesh/triangles";
+import { DepthsInput } from "./depths_input";
+import { NumberInput } from "./number_input";
+import { kindOf, labelOf } from "./schema_kind";
+import { asDepths, freshName, type Region } from "./values";
+
+const AXES = ["x", "y", "z"] as const;
+
+/** Boxes, typed as numbers here and dragged by their handles in the view. */
+export function RegionsInput(props: {
+  what: string;
+  schema: Schema;
+  regions: Region[];
+  layers: readonly string[];
+  bounds: Bounds | null;
+  onRegions: (regions: Region[]) => void;
+}) {
+  const { what, schema, regions, layers, bounds, onRegions } = props;
+  const change = (at: number, part: Partial<Region>) =>
+    onRegions(regions.map((region, i) => (i === at ? ({ ...region, ...part } as Region) : region)));
+  const more = Object.entries(schema.properties ?? {}).filter(([name]) => name !== "name" && name !== "box_mm");
+  return (
+    <div class="stack">
+      {regions.map((region, at) => (
+        <fieldset key={at} class="item">
+          <legend class="hidden-label">{region.name}</legend>
+          <div class="row spread">
+            <input
+              aria-label={`Name of ${what} ${at + 1}`}
+              value={region.name}
+              size={16}
+              onChange={(event) => change(at, { name: event.currentTarget.value.trim() })}
+            />
+            <button
+              type="button"
+              class="quiet"
+              aria-label={`Remove ${region.name}`}
+              onClick={() => onRegions(regions.filter((_, i) => i !== at))}
+            >
+              ✕
+            </button>
+          </div>
+          {(["min", "max"] as const).map((end) => (
+            <div key={end} class="vector">
+              {AXES.map((axis, k) => (
+                <NumberInput
+                  key={axis}
+                  label={`${region.name}: ${end} ${axis} in mm`}
+                  value={region.box_mm[end][k]}
+                  onValue={(value) => {
+                    const corner = [...region.box_mm[end]] as [number, number, number];
+                    corner[k] = value ?? 0;
+                    change(at, { box_mm: { ...region.box_mm, [end]: corner } });
+                  }}
+                />
+              ))}
+            </div>
+          ))}
+          {more.map(([name, one]) =>
+            kindOf(one) === "depths" ? (
+              <div key={name}>
+                <DepthsInput
+                  of={region.name}
+                  depths={asDepths(region[name])}
+                  layers={layers}
+                  onDepths={(depths) => change(at, { [name]: Object.keys(depths).length ? depths : undefined })}
+                />
+              </div>
+            ) : (
+              <label key={name} class="row small">
+                {labelOf(name)}
+                <NumberInput
+                  value={region[name] as number | undefined}
+                  placeholder={one.default === null || one.default === undefined ? "" : String(one.default)}
+                  onValue={(value) => change(at, { [name]: value })}
+                />
+              </label>
+            ),
+          )}
+        </fieldset>
+      ))}
+      <div>
+        <button
+          type="button"
+          disabled={regions.length >= (schema.maxItems ?? 32)}
+          onClick={() => onRegions([...regions, newRegion(what, regions, layers, more, bounds)])}
+        >
+          Add a box
+        </button>
+      </div>
+    </div>
+  );
+}
+
+/** A box in the middle of the body, a fifth of its size, to be dragged from there. */
+function newRegion(
+  what: string,
+  regions: readonly Region[],
+  layers: readonly string[],
+  more: [string, Schema][],
+  bounds: Bounds | null,
+): Region {
+  const { min, max } = bounds ?? { min: [-50, -50, -50], max: [50, 50, 50] };
+  const corner = (share: number) =>
+    min.map((low, axis) => Math.round(low + share * (max[axis]! - low))) as [number, number, number];
+  const needed = more.filter(([, one]) => kindOf(one) === "depths" && one.default === undefined);
+  return {
+    name: freshName(
+      what,
+      regions.map((region) => region.name),
+    ),
+    box_mm: { min: corner(0.4), max: corner(0.6) },
+    ...Object.fromEntries(needed.map(([name]) => [name, layers[0] ? { [layers[0]]: 0.5 } : {}])),
+  };
+}

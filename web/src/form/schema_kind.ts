@@ -1,0 +1,72 @@
+import type { Schema } from "../api/types";
+
+/** Which control an input gets. It depends on its schema alone, so processes that come later get a form by themselves. */
+export type Kind =
+  | "reference"
+  | "package"
+  | "references"
+  | "named_references"
+  | "layers"
+  | "regions"
+  | "auto_or_regions"
+  | "depths"
+  | "choice"
+  | "flag"
+  | "number"
+  | "text"
+  | "group"
+  | "json";
+
+export function kindOf(schema: Schema): Kind {
+  if (isReference(schema)) return acceptsUploads(schema) ? "reference" : "package";
+  const items = schema.items;
+  if (schema.type === "array" && items) {
+    if (isReference(items)) return "references";
+    if (items.properties?.box_mm) return "regions";
+    if (items.properties?.depth_mm && items.properties.name) return "layers";
+  }
+  const among = schema.anyOf ?? schema.oneOf;
+  if (among) {
+    if (among.some((one) => one.type === "array" && one.items && isReference(one.items))) return "references";
+    if (among.some((one) => one.items?.properties?.box_mm) && among.some((one) => one.enum)) return "auto_or_regions";
+    return "json";
+  }
+  if (schema.enum) return "choice";
+  if (schema.type === "boolean") return "flag";
+  if (schema.type === "number" || schema.type === "integer") return "number";
+  if (schema.type === "string") return "text";
+  if (schema.type === "object") {
+    const values = typeof schema.additionalProperties === "object" ? schema.additionalProperties : null;
+    if (values && isReference(values)) return "named_references";
+    if (values?.type === "number") return "depths";
+    if (schema.properties) return "group";
+  }
+  return "json";
+}
+
+export function isReference(schema: Schema): boolean {
+  return schema.properties?.href !== undefined;
+}
+
+function acceptsUploads(schema: Schema): boolean {
+  return schema.properties?.href?.pattern?.includes("/v1/meshes/") ?? false;
+}
+
+/** The schema of a region among the alternatives of an input, or in its items. */
+export function regionSchema(schema: Schema): Schema | undefined {
+  return schema.items ?? (schema.anyOf ?? schema.oneOf)?.find((one) => one.items?.properties?.box_mm)?.items;
+}
+
+/** `min_gap_mm` -> "Min gap (mm)". */
+export function labelOf(name: string): string {
+  const words = name.split("_");
+  const unit = { mm: "mm", deg: "°", s: "s" }[words.at(-1) ?? ""];
+  if (unit && words.length > 1) words.pop();
+  const text = words.join(" ");
+  return text.charAt(0).toUpperCase() + text.slice(1) + (unit ? ` (${unit})` : "");
+}
+
+/** What the server takes for granted need not be sent: only what was set, and nothing that was emptied again. */
+export function withoutEmpty(values: Record<string, unknown>): Record<string, unknown> {
+  return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined && value !== ""));
+}

@@ -1,0 +1,38 @@
+/** What the hand-made controls work on, as the server takes it. */
+
+export interface Layer {
+  name: string;
+  depth_mm?: number | undefined;
+  depth_array?: string | undefined;
+  side?: "inside" | "outside" | undefined;
+}
+
+export interface Region {
+  name: string;
+  box_mm: { min: [number, number, number]; max: [number, number, number] };
+  [more: string]: unknown;
+}
+
+export interface Reference {
+  href: string;
+}
+
+/** A value of the form if it has the shape it should have, else what is taken for granted. */
+export function asLayers(value: unknown): Layer[] {
+  return Array.isArray(value) ? (value as Layer[]) : [];
+}
+
+export function asRegions(value: unknown): Region[] {
+  return Array.isArray(value) ? (value as Region[]) : [];
+}
+
+export function asDepths(value: unknown): Record<string, number> {
+  return typeof value === "object" && value !== null ? (value as Record<string, number>) : {};
+}
+
+/** A name nobody has: `region`, `region_2`, ... */
+export function freshName(wanted: string, taken: readonly string[]): string {
+  let name = wanted;
+  for (let number = 2; taken.includes(name); number++) name = `${wanted}_${number}`;
+  return name;
+}

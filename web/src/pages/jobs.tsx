@@ -1,0 +1,167 @@
+import { useEffect, useState } from "preact/hooks";
+import { isOver, type JobPage, listJobs } from "../api/jobs";
+import type { Job, JobStatus } from "../api/types";
+import { Failure } from "../parts/failure";
+import { StatusTag } from "../parts/status_tag";
+import { Verdict } from "../parts/verdict";
+import { goTo } from "../router";
+import { saySeconds, sayWhen } from "../words";
+
+const LOOK_MS = 2000;
+const WAITED_LONG_MS = 45_000;
+const STATUSES: readonly JobStatus[] = ["accepted", "running", "successful", "failed", "dismissed"];
+
+/** The jobs of the workspace, newest first; looked at again while this page is open. */
+export function JobsPage() {
+  const [status, setStatus] = useState("");
+  const [search, setSearch] = useState("");
+  const [limit, setLimit] = useState(50);
+  const [page, setPage] = useState<JobPage | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [picked, setPicked] = useState<string[]>([]);
+  useEffect(() => {
+    const aborter = new AbortController();
+    let timer = 0;
+    const look = async () => {
+      try {
+        const query = new URLSearchParams({ limit: String(limit), ...(status ? { status } : {}) });
+        setPage(await listJobs(query, aborter.signal));
+        setError(null);
+      } catch (reason) {
+        if (aborter.signal.aborted) return;
+        setError(reason);
+      }
+      timer = window.setTimeout(look, LOOK_MS);
+    };
+    void look();
+    return () => {
+      aborter.abort();
+      clearTimeout(timer);
+    };
+  }, [status, limit]);
+  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const found = (page?.jobs ?? []).filter((job) => words.every((word) => textOf(job).includes(word)));
+  const waiting = (page?.jobs ?? []).filter((job) => job.status === "accepted");
+  const running = (page?.jobs ?? []).some((job) => job.status === "running");
+  const unserved = !running && waiting.some((job) => Date.now() - Date.parse(job.created) > WAITED_LONG_MS);
+  const pick = (id: string, on: boolean) =>
+    setPicked(on ? [...picked, id].slice(-2) : picked.filter((one) => one !== id));
+  return (
+    <>
+      <div class="heading">
+        <h1>Jobs</h1>
+        <div class="row">
+          <label class="row">
+            <span class="hidden-label">Search</span>
+            <input
+              type="search"
+              placeholder="Search"
+              value={search}
+              onInput={(event) => setSearch(event.currentTarget.value)}
+            />
+          </label>
+          <label class="row">
+            <span class="hidden-label">Status</span>
+            <select value={status} onChange={(event) => setStatus(event.currentTarget.value)}>
+              <option value="">All</option>
+              {STATUSES.map((one) => (
+                <option key={one}>{one}</option>
+              ))}
+            </select>
+          </label>
+          <button
+            type="button"
+            disabled={picked.length !== 2}
+            onClick={() => goTo(`#/compare?a=${picked[0]}&b=${picked[1]}`)}
+          >
+            Compare two
+          </button>
+          <a class="button primary" href="#/new">
+            New job
+          </a>
+        </div>
+      </div>
+      {error ? <Failure error={error} /> : null}
+      {unserved && (
+        <p class="note warn" role="status">
+          Jobs are waiting and nobody works on them: no worker seems to be running. They are kept, and start when one
+          comes.
+        </p>
+      )}
+      {!page && !error && <p class="empty">Loading…</p>}
+      {page && found.length === 0 && (
+        <p class="card empty">{page.jobs.length === 0 ? "No jobs yet." : "No job matches the search."}</p>
+      )}
+      {found.length > 0 && (
+        <div class="card scroll-x">
+          <table>
+            <thead>
+              <tr>
+                <th>
+                  <span class="hidden-label">Compare</span>
+                </th>
+                <th>Process</th>
+                <th>Status</th>
+                <th>Progress</th>
+                <th>What</th>
+                <th>Created</th>
+                <th class="number">Took</th>
+              </tr>
+            </thead>
+            <tbody>
+              {found.map((job) => (
+                <tr key={job.jobID}>
+                  <td>
+                    <input
+                      type="checkbox"
+                      aria-label={`Compare job ${job.jobID}`}
+                      checked={picked.includes(job.jobID)}
+                      onChange={(event) => pick(job.jobID, event.currentTarget.checked)}
+                    />
+                  </td>
+                  <td>
+                    <a href={`#/jobs/${job.jobID}`}>{job.processID}</a>{" "}
+                    <span class="mono muted">{job.jobID.slice(0, 8)}</span>
+                  </td>
+                  <td>
+                    <StatusTag job={job} />
+                  </td>
+                  <td>
+                    {job.status === "running" ? (
+                      <progress value={job.progress} max={100} aria-label={`Progress of job ${job.jobID}`} />
+                    ) : (
+                      <Verdict verdict={job.verdict} />
+                    )}
+                  </td>
+                  <td>
+                    {job.summary ?? job.failure?.message ?? job.phase ?? job.message}
+                    {job.queuePosition ? ` (place ${job.queuePosition})` : ""}
+                  </td>
+                  <td>{sayWhen(job.created)}</td>
+                  <td class="number">
+                    {job.started && isOver(job) && job.finished
+                      ? saySeconds((Date.parse(job.finished) - Date.parse(job.started)) / 1000)
+                      : ""}
+                  </td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+      {page?.next && limit < 1000 && (
+        <div class="row">
+          <button type="button" onClick={() => setLimit(Math.min(1000, limit * 4))}>
+            Show older ones
+          </button>
+        </div>
+      )}
+    </>
+  );
+}
+
+function textOf(job: Job): string {
+  return [job.processID, job.jobID, job.status, job.summary, job.failure?.message, job.failure?.code, job.verdict]
+    .join(" ")
+    .toLowerCase();
+}

@@ -1,0 +1,47 @@
+import type { Field } from "../viewer/surface";
+import { type FieldChoice, fieldTitle } from "./field_choice";
+import { Legend } from "./legend";
+
+/** Colour the surfaces by a number: thickness, deviation, curvature, quality. */
+export function FieldControl(props: {
+  names: readonly string[];
+  choice: FieldChoice | null;
+  field: Field | null;
+  failure: string;
+  onChoice: (choice: FieldChoice | null) => void;
+  onRange: (low: number, high: number) => void;
+}) {
+  const { names, choice, field } = props;
+  const choices: FieldChoice[] = [
+    ...(names.length > 1 ? names.map((to) => ({ kind: "distance" as const, to })) : []),
+    { kind: "curvature", to: null },
+    { kind: "quality", to: null },
+  ];
+  return (
+    <div class="stack">
+      <div class="field">
+        <label for="field">Colours</label>
+        <select
+          id="field"
+          value={choice ? fieldTitle(choice) : ""}
+          onChange={(event) =>
+            props.onChoice(choices.find((one) => fieldTitle(one) === event.currentTarget.value) ?? null)
+          }
+        >
+          <option value="">One per tissue</option>
+          {choices.map((one) => (
+            <option key={fieldTitle(one)}>{fieldTitle(one)}</option>
+          ))}
+        </select>
+      </div>
+      {choice && !field && !props.failure && <p class="muted small">Measuring…</p>}
+      {props.failure && <p class="note bad">{props.failure}</p>}
+      {field && <Legend field={field} onRange={props.onRange} />}
+      {field && choice?.kind === "distance" && (
+        <p class="muted small">
+          Measured from every vertex to the nearest point of {choice.to}. Point at a surface to read it.
+        </p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,182 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { getReport, getResults } from "../api/jobs";
+import { messageOf } from "../api/server";
+import type { Finding, Job, Report, ResultReference } from "../api/types";
+import { tissueColours } from "../tissues";
+import type { Clip, Field, Marker, Point, Surface } from "../viewer/surface";
+import type { Viewer } from "../viewer/viewer";
+import { ClipControl } from "./clip_control";
+import { Downloads } from "./downloads";
+import { type FieldChoice, makeField } from "./field_choice";
+import { FieldControl } from "./field_control";
+import { Findings } from "./findings";
+import { useLoaded } from "./loaded";
+import { Numbers } from "./numbers";
+import { shownMeshes } from "./shown_meshes";
+import { TissueTable } from "./tissue_table";
+import { useTriangles } from "./triangles_of";
+import { ViewerPane } from "./viewer_pane";
+
+type Looks = Record<string, Partial<Pick<Surface, "visible" | "opacity" | "colour">>>;
+
+/** What came of a job: its surfaces, cut open and coloured as one likes, its findings, numbers and files. */
+export function ResultView({ job }: { job: Job }) {
+  const report = useLoaded<Report | null>(`report ${job.jobID}`, (signal) => getReport(job.jobID, signal));
+  const results = useLoaded<Record<string, ResultReference>>(`results ${job.jobID}`, async (signal) =>
+    job.status === "successful" ? getResults(job.jobID, signal) : {},
+  );
+  const hrefs = useMemo(() => shownMeshes(results.value, report.value), [results.value, report.value]);
+  const triangles = useTriangles(hrefs);
+  const [looks, setLooks] = useState<Looks>({});
+  const [clip, setClip] = useState<Clip | null>(null);
+  const [choice, setChoice] = useState<FieldChoice | null>(null);
+  const [fields, setFields] = useState<Record<string, Field>>({});
+  const [range, setRange] = useState<[number, number] | null>(null);
+  const [fieldError, setFieldError] = useState("");
+  const [markers, setMarkers] = useState<Marker[]>([]);
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [beside, setBeside] = useState(false);
+
+  // from outside inwards, which is also the order they are drawn in
+  const names = Object.keys(triangles.meshes).sort(
+    (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
+  );
+  const colours = tissueColours(names);
+  const first = choice ? names.map((name) => fields[name]).find(Boolean) : undefined;
+  const surfaces = useMemo<Surface[]>(
+    () =>
+      names.map((name) => {
+        const mesh = triangles.meshes[name]!;
+        const field = choice && fields[name];
+        const [low, high] = range ?? [first?.low ?? 0, first?.high ?? 1];
+        return {
+          name,
+          mesh: mesh.shown,
+          colour: colours[name]!,
+          visible: true,
+          opacity: 1,
+          closed: mesh.closed,
+          ...looks[name],
+          field: field ? { ...field, low, high } : null,
+        };
+      }),
+    [triangles.meshes, looks, fields, choice, range],
+  );
+  useEffect(() => {
+    setFields({});
+    setRange(null);
+    setFieldError("");
+    if (!choice) return;
+    let gone = false;
+    const found: Record<string, Field> = {};
+    const to = choice.to ? (triangles.meshes[choice.to] ?? null) : null;
+    for (const name of names.filter((one) => one !== choice.to)) {
+      makeField(choice, triangles.meshes[name]!, to).then(
+        (field) => {
+          found[name] = field;
+          if (!gone) setFields({ ...found });
+        },
+        (error) => !gone && setFieldError(messageOf(error)),
+      );
+    }
+    return () => {
+      gone = true;
+    };
+  }, [choice, triangles.meshes]);
+
+  const fly = (point: Point, finding: Finding) => {
+    setMarkers(finding.places.map((place) => ({ point: place.point_mm, severity: finding.severity })));
+    viewer?.flyTo(point);
+    document.querySelector(".viewer")?.scrollIntoView({ block: "nearest" });
+  };
+  const look = (name: string, part: Looks[string]) => setLooks({ ...looks, [name]: { ...looks[name], ...part } });
+  const bounds = names[0] ? triangles.meshes[names[0]]! : null;
+  const loading =
+    names.length === 0 && (results.loading || report.loading || (triangles.loading && !triangles.failure));
+  return (
+    <div class="bench result">
+      <div class="view stack">
+        <div class={beside ? "pair" : ""}>
+          <ViewerPane
+            label={beside ? `3D view of ${names[0]}` : "3D view of the result"}
+            surfaces={beside ? surfaces.slice(0, 1) : surfaces}
+            clip={clip}
+            markers={markers}
+            onViewer={setViewer}
+            loading={loading ? "Loading the surfaces…" : ""}
+            failure={triangles.failure}
+            empty="This job left no surface to show; its report says why."
+          />
+          {beside && <Beside surfaces={surfaces} clip={clip} markers={markers} leader={viewer} />}
+        </div>
+        {job.summary && <p>{job.summary}</p>}
+      </div>
+      <div class="stack">
+        {bounds && (
+          <section class="card stack" aria-label="View">
+            <TissueTable surfaces={surfaces} onChange={look} />
+            <ClipControl clip={clip} bounds={bounds} onClip={setClip} />
+            <FieldControl
+              names={names}
+              choice={choice}
+              field={first ? { ...first, ...(range ? { low: range[0], high: range[1] } : {}) } : null}
+              failure={fieldError}
+              onChoice={setChoice}
+              onRange={(low, high) => setRange([low, high])}
+            />
+            {names.length > 1 && (
+              <label class="row">
+                <input type="checkbox" checked={beside} onChange={(event) => setBeside(event.currentTarget.checked)} />
+                Two surfaces side by side
+              </label>
+            )}
+          </section>
+        )}
+        <Downloads job={job} results={results.value} hasReport={report.value !== null} />
+        {report.value && (
+          <>
+            <section class="card stack" aria-label="Findings">
+              <h2>Findings</h2>
+              <Findings findings={report.value.findings} onPlace={fly} />
+            </section>
+            <Numbers report={report.value} />
+          </>
+        )}
+      </div>
+    </div>
+  );
+}
+
+/** A second view that moves with the first one, of a surface of one's choice. */
+function Beside(props: { surfaces: Surface[]; clip: Clip | null; markers: Marker[]; leader: Viewer | null }) {
+  const { surfaces, leader } = props;
+  const [name, setName] = useState(surfaces[1]?.name ?? "");
+  const [follower, setFollower] = useState<Viewer | null>(null);
+  const shown = useMemo(() => surfaces.filter((one) => one.name === name), [surfaces, name]);
+  useEffect(() => {
+    if (!leader || !follower) return;
+    const follow = () => follower.setView(leader.view);
+    follow();
+    return leader.onView(follow);
+  }, [leader, follower]);
+  return (
+    <div class="stack">
+      <ViewerPane
+        label={`3D view of ${name}`}
+        surfaces={shown}
+        clip={props.clip}
+        markers={props.markers}
+        onViewer={setFollower}
+        empty="Choose a surface."
+      />
+      <label class="row">
+        Beside it
+        <select value={name} onChange={(event) => setName(event.currentTarget.value)}>
+          {surfaces.map((one) => (
+            <option key={one.name}>{one.name}</option>
+          ))}
+        </select>
+      </label>
+    </div>
+  );
+}
