@@ -5,19 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from sqlalchemy.orm import Session
 
 from api.services import Services
-from core.errors import InputError
-from store.idempotency import Reply
+from core.errors import InputError, StateError
+from store.idempotency import OvertakenError, Reply
 from store.workspace import WorkspaceId
 
 HEADER = "Idempotency-Key"
 REPLAYED = "Idempotent-Replayed"
+T = TypeVar("T")
 _KEY = re.compile(r"[\x21-\x7e]{1,255}")
 
 
@@ -40,25 +40,24 @@ class Once:
         self._key = key
         self._fingerprint = fingerprint
 
-    @contextmanager
-    def attempt(self) -> Iterator[Reply | None]:
-        """Yields the first reply if there was one, else None; then the block does the work, and forgets the key if it fails.
+    def answer(self, work: Callable[[], T], replay: Callable[[Any], T]) -> tuple[T, bool]:
+        """Do the work, in whose transaction `keep` is called; or `replay` the body that was kept the first time, and True.
 
-        Raises StateError `idempotency.mismatch`, `idempotency.in_flight`."""
-        if self._key is None:
-            yield None
-            return
-        earlier = self._services.keys.begin(self._workspace, self._key, self._fingerprint)
-        if earlier is not None:
-            yield earlier
-            return
-        try:
-            yield None
-        except BaseException:
-            self._services.keys.abandon(self._workspace, self._key)
-            raise
+        Raises StateError `idempotency.mismatch`."""
+        earlier = self._find()
+        if earlier is None:
+            try:
+                return work(), False
+            except OvertakenError:
+                earlier = self._find()
+                if earlier is None:
+                    raise StateError("idempotency.in_flight", "the same request is being answered; send it again") from None
+        return replay(earlier.body), True
 
-    def remember(self, reply: Reply, session: Session | None = None) -> None:
-        """Keep the reply; in the transaction that does the work, if there is one."""
+    def keep(self, reply: Reply, session: Session) -> None:
+        """Raises OvertakenError, which `answer` sees to."""
         if self._key is not None:
-            self._services.keys.complete(self._workspace, self._key, reply, session=session)
+            self._services.keys.keep(self._workspace, self._key, self._fingerprint, reply, session)
+
+    def _find(self) -> Reply | None:
+        return None if self._key is None else self._services.keys.find(self._workspace, self._key, self._fingerprint)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
 from sqlalchemy import delete
@@ -16,8 +16,6 @@ from store.database import Database
 from store.records import IdempotencyRow
 from store.workspace import WorkspaceId
 
-IN_FLIGHT_S = 600.0  # a request without a reply after this long died with its server
-
 
 @dataclass(frozen=True, slots=True)
 class Reply:
@@ -28,61 +26,55 @@ class Reply:
     body: Any
 
 
-class IdempotencyKeys:
-    """`begin`, do the work, `complete` in the transaction of the work; `abandon` if it failed.
+class OvertakenError(Exception):
+    """The same request was done by somebody else meanwhile: undo the work, and find his reply."""
 
-    Each workspace has keys of its own."""
+
+class IdempotencyKeys:
+    """`find`, and if there is nothing do the work and `keep` the reply in its transaction: there is never one without the other.
+
+    Nothing is written down before the work is done, so a server that dies in the middle leaves no key behind. Each workspace has
+    keys of its own."""
 
     def __init__(self, db: Database, hours: float = 24.0) -> None:
         self._db = db
         self._hours = hours
 
-    def begin(self, workspace: WorkspaceId, key: str, fingerprint: str) -> Reply | None:
-        """None: go on, the key is yours. A Reply: send it again.
+    def find(self, workspace: WorkspaceId, key: str, fingerprint: str) -> Reply | None:
+        """The reply to the first request with this key; None if it is still to be done.
 
         `fingerprint` is a hash of method, path and body, up to 64 characters.
 
-        Raises StateError `idempotency.mismatch` (same key, other request) or `idempotency.in_flight`."""
-        try:
-            with self._db.session() as session:
-                now = self._db.now(session)
-                session.add(IdempotencyRow(workspace=workspace, key=key, fingerprint=fingerprint, reply=None, created_at=now))
-        except IntegrityError:
-            return self._meet(workspace, key, fingerprint)
-        return None
-
-    def _meet(self, workspace: WorkspaceId, key: str, fingerprint: str) -> Reply | None:
-        with self._db.session() as session:
-            row = session.get(IdempotencyRow, (workspace, key), with_for_update=True)
-            now = self._db.now(session)
-            if row is None:
-                raise StateError("idempotency.in_flight", "a request with this Idempotency-Key just ended; send it again")
-            age = now - row.created_at
-            abandoned = row.reply is None and age > timedelta(seconds=IN_FLIGHT_S)
-            if abandoned or age > timedelta(hours=self._hours):
-                row.fingerprint, row.reply, row.created_at = fingerprint, None, now
+        Raises StateError `idempotency.mismatch` (same key, other request)."""
+        with self._db.reading() as session:
+            row = session.get(IdempotencyRow, (workspace, key))
+            if row is None or self._is_free(row, self._db.now(session)):
                 return None
             if row.fingerprint != fingerprint:
                 raise StateError("idempotency.mismatch", "this Idempotency-Key was used for another request; use a new one")
-            if row.reply is None:
-                raise StateError("idempotency.in_flight", "the first request with this Idempotency-Key is still at work")
-            return Reply(**row.reply)
+            return Reply(**row.reply) if row.reply else None
 
-    def complete(self, workspace: WorkspaceId, key: str, reply: Reply, *, session: Session | None = None) -> None:
-        """Remember the reply. Pass the `session` that makes the resource: then there is never one without the other."""
-        with self._db.session(session) as work:
-            row = work.get(IdempotencyRow, (workspace, key), with_for_update=True)
-            if row is not None:
-                row.reply = {"status": reply.status, "headers": dict(reply.headers), "body": reply.body}
+    def keep(self, workspace: WorkspaceId, key: str, fingerprint: str, reply: Reply, session: Session) -> None:
+        """Remember the reply in the transaction that does the work; of several at once the second waits for the first.
 
-    def abandon(self, workspace: WorkspaceId, key: str) -> None:
-        """Forget a request that failed, so that it may be sent again."""
-        with self._db.session() as session:
-            session.execute(
-                delete(IdempotencyRow).where(
-                    IdempotencyRow.workspace == workspace, IdempotencyRow.key == key, IdempotencyRow.reply.is_(None)
-                )
-            )
+        Raises OvertakenError, which has to leave the block of `session`."""
+        now = self._db.now(session)
+        told = {"status": reply.status, "headers": dict(reply.headers), "body": reply.body}
+        row = session.get(IdempotencyRow, (workspace, key), with_for_update=True)
+        if row is not None:
+            if not self._is_free(row, now):
+                raise OvertakenError
+            row.fingerprint, row.reply, row.created_at = fingerprint, told, now
+            return
+        session.add(IdempotencyRow(workspace=workspace, key=key, fingerprint=fingerprint, reply=told, created_at=now))
+        try:
+            session.flush()
+        except IntegrityError:
+            raise OvertakenError from None
+
+    def _is_free(self, row: IdempotencyRow, now: datetime) -> bool:
+        """Too old; or without a reply, as versions before this one left them when they were killed."""
+        return row.reply is None or now - row.created_at > timedelta(hours=self._hours)
 
     def sweep(self) -> int:
         """Forget keys older than they are promised to be kept; returns how many."""

@@ -178,14 +178,14 @@ class Jobs(Admission, Claims, Reconciliation):
                 return job
             return snapshot(row)
 
-    def retry(self, workspace: WorkspaceId, job_id: str) -> Job:
+    def retry(self, workspace: WorkspaceId, job_id: str, *, session: Session | None = None) -> Job:
         """Queue a failed or dismissed job again, for one attempt more.
 
         Raises StateError `job.not_found`, `job.not_retryable`, LimitError `quota.jobs`, `quota.bytes`."""
-        with self._db.session() as session:
+        with self._db.session(session) as work:
             if self._quotas is not None:
-                self._quotas.require_room_for_job(workspace, session)
-            row = owned(session, workspace, job_id, lock=True)
+                self._quotas.require_room_for_job(workspace, work)
+            row = owned(work, workspace, job_id, lock=True)
             if row.status not in (JobStatus.FAILED, JobStatus.DISMISSED):
                 raise StateError(
                     "job.not_retryable",
@@ -194,5 +194,5 @@ class Jobs(Admission, Claims, Reconciliation):
                     status=str(row.status),
                 )
             row.max_attempts = max(row.max_attempts, row.attempt + 1)
-            queue_again(session, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(session))
+            queue_again(work, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(work))
             return snapshot(row)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -70,9 +70,17 @@ class Meshes:
         self._quotas = quotas
 
     def create(
-        self, workspace: WorkspaceId, upload: MeshUpload, *, reserved_bytes: int = 0, session: Session | None = None
+        self,
+        workspace: WorkspaceId,
+        upload: MeshUpload,
+        *,
+        reserved_bytes: int = 0,
+        session: Session | None = None,
+        also: Callable[[MeshRecord, Session], None] = lambda _record, _session: None,
     ) -> MeshRecord:
         """Store both files, then the row: nothing half-way. `reserved_bytes` of the quota are taken for it already.
+
+        `also` is done in the transaction of the row: the files may be large, so it is not open while they are copied.
 
         Raises LimitError `storage.full`, `quota.bytes`."""
         original = self._blobs.put_file(upload.path)
@@ -99,7 +107,9 @@ class Meshes:
             )
             work.add(row)
             work.flush()
-            return _record(row)
+            record = _record(row)
+            also(record, work)
+            return record
 
     def get(self, workspace: WorkspaceId, mesh_id: str) -> MeshRecord:
         """Raises StateError `mesh.not_found`."""

@@ -110,13 +110,15 @@ async def retry_job(
 def _queue_again(services: Services, workspace: WorkspaceId, job_id: str, key: str | None) -> tuple[Job, bool]:
     """The job, and whether an earlier request with this key queued it."""
     once = Once(services, workspace, key, fingerprint_of("POST", f"{job_path(job_id)}/retry", None))
-    with once.attempt() as earlier:
-        if earlier is not None:
-            return services.jobs.get(workspace, job_id), True
-        job = services.jobs.retry(workspace, job_id)
-        once.remember(Reply(202, {"Location": job_path(job_id)}, {"job": job_id}))
-    services.ringer.ring(job)
-    return job, False
+
+    def retry() -> Job:
+        with services.db.session() as session:
+            job = services.jobs.retry(workspace, job_id, session=session)
+            once.keep(Reply(202, {"Location": job_path(job_id)}, {"job": job_id}), session)
+        services.ringer.ring(job)
+        return job
+
+    return once.answer(retry, lambda _kept: services.jobs.get(workspace, job_id))
 
 
 async def _described(services: Services, request: Request, job: Job) -> StatusInfo:

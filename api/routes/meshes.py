@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 import anyio
 from fastapi import APIRouter, Depends, Query, Request, Response
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
@@ -105,13 +106,16 @@ def _take_in(
     unit = require_unit(received)
     told = {"file": received.sha256, "file_name": received.file_name, "unit": unit, "name": name_of(received)}
     once = Once(services, workspace, key, fingerprint_of("POST", f"{BASE}/meshes", told))
-    with once.attempt() as earlier:
-        if earlier is not None:
-            return services.meshes.get(workspace, str(earlier.body["mesh"])), True
+
+    def take_in() -> MeshRecord:
         upload = parse(services, received, unit, folder)
-        record = services.meshes.create(workspace, upload)  # copies two files, so not within a transaction of ours
-        once.remember(Reply(201, {"Location": mesh_path(record.id)}, {"mesh": record.id}))
-    return record, False
+
+        def remember(record: MeshRecord, session: Session) -> None:
+            once.keep(Reply(201, {"Location": mesh_path(record.id)}, {"mesh": record.id}), session)
+
+        return services.meshes.create(workspace, upload, also=remember)
+
+    return once.answer(take_in, lambda kept: services.meshes.get(workspace, str(kept["mesh"])))
 
 
 @router.get("", operation_id="listMeshes", response_model_exclude_none=True, responses=problems(422))

@@ -84,9 +84,8 @@ def _accept(
     process, inputs = find_and_read(process_id, body)
     path = f"{BASE}/processes/{process_id}/execution"
     once = Once(services, workspace, key, fingerprint_of("POST", path, body.model_dump(mode="json")))
-    with once.attempt() as earlier:
-        if earlier is not None:
-            return services.jobs.get(workspace, str(earlier.body["job"])), True
+
+    def accept() -> Job:
         stored, meshes = resolve_meshes(services, workspace, inputs)
         expectation = size_up(services, process.id, stored, meshes)
         with services.db.session() as session:
@@ -100,6 +99,8 @@ def _accept(
                 expectation=expectation,
                 session=session,
             )
-            once.remember(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
-    services.ringer.ring(job)
-    return job, False
+            once.keep(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
+        services.ringer.ring(job)
+        return job
+
+    return once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))

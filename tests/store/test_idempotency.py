@@ -9,19 +9,25 @@ import pytest
 from sqlalchemy import update
 
 from core.errors import StateError
-from store import idempotency
 from store.database import Database
-from store.idempotency import IdempotencyKeys, Reply
+from store.idempotency import IdempotencyKeys, OvertakenError, Reply
 from store.jobs import Jobs
 from store.records import IdempotencyRow
 from store.workspace import DEFAULT_WORKSPACE
 
 REPLY = Reply(201, {"Location": "/v1/jobs/1"}, {"jobID": "1", "note": "é\x00"})
+OTHER = Reply(201, {"Location": "/v1/jobs/2"}, {"jobID": "2"})
 
 
 @pytest.fixture
 def keys(db: Database) -> IdempotencyKeys:
     return IdempotencyKeys(db)
+
+
+def keep(keys: IdempotencyKeys, db: Database, key: str, fingerprint: str, reply: Reply = REPLY) -> None:
+    """As a request does when its work is done."""
+    with db.session() as session:
+        keys.keep(DEFAULT_WORKSPACE, key, fingerprint, reply, session)
 
 
 def age(db: Database, key: str, by: timedelta) -> None:
@@ -30,94 +36,87 @@ def age(db: Database, key: str, by: timedelta) -> None:
         session.execute(update(IdempotencyRow).where(IdempotencyRow.key == key).values(created_at=db.now(session) - by))
 
 
-def code_of(keys: IdempotencyKeys, key: str, fingerprint: str) -> str:
+def test_the_second_request_gets_the_reply_of_the_first(keys: IdempotencyKeys, db: Database) -> None:
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") is None
+    keep(keys, db, "k", "f")
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == REPLY
+    assert keys.find(DEFAULT_WORKSPACE, "other", "f") is None
+
+
+def test_another_request_under_the_same_key_is_refused(keys: IdempotencyKeys, db: Database) -> None:
+    keep(keys, db, "k", "f")
     with pytest.raises(StateError) as caught:
-        keys.begin(DEFAULT_WORKSPACE, key, fingerprint)
-    return caught.value.code
+        keys.find(DEFAULT_WORKSPACE, "k", "g")
+    assert caught.value.code == "idempotency.mismatch"
 
 
-def test_the_second_request_gets_the_reply_of_the_first(keys: IdempotencyKeys) -> None:
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") is None
-    assert code_of(keys, "k", "f") == "idempotency.in_flight"
-    keys.complete(DEFAULT_WORKSPACE, "k", REPLY)
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") == REPLY
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") == REPLY
-    assert keys.begin(DEFAULT_WORKSPACE, "other", "f") is None
-
-
-def test_another_request_under_the_same_key_is_refused(keys: IdempotencyKeys) -> None:
-    keys.begin(DEFAULT_WORKSPACE, "k", "f")
-    assert code_of(keys, "k", "g") == "idempotency.mismatch"
-    keys.complete(DEFAULT_WORKSPACE, "k", REPLY)
-    assert code_of(keys, "k", "g") == "idempotency.mismatch"
-
-
-def test_a_failed_request_may_be_sent_again(keys: IdempotencyKeys) -> None:
-    keys.begin(DEFAULT_WORKSPACE, "k", "f")
-    keys.abandon(DEFAULT_WORKSPACE, "k")
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "g") is None
-    keys.complete(DEFAULT_WORKSPACE, "k", REPLY)
-    keys.abandon(DEFAULT_WORKSPACE, "k")  # too late: it was answered
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "g") == REPLY
+def test_a_reply_is_kept_once(keys: IdempotencyKeys, db: Database) -> None:
+    keep(keys, db, "k", "f")
+    with pytest.raises(OvertakenError):
+        keep(keys, db, "k", "f", OTHER)
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == REPLY
 
 
 def test_the_reply_and_the_job_are_kept_together_or_not_at_all(keys: IdempotencyKeys, jobs: Jobs, db: Database) -> None:
-    keys.begin(DEFAULT_WORKSPACE, "k", "f")
-
     def create_and_break() -> None:
         with db.session() as session:
             jobs.create(DEFAULT_WORKSPACE, "shells", {}, session=session)
-            keys.complete(DEFAULT_WORKSPACE, "k", REPLY, session=session)
+            keys.keep(DEFAULT_WORKSPACE, "k", "f", REPLY, session)
             raise RuntimeError("on purpose")
 
     with pytest.raises(RuntimeError, match="on purpose"):
         create_and_break()
-    assert code_of(keys, "k", "f") == "idempotency.in_flight"
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") is None
     assert jobs.list(DEFAULT_WORKSPACE).items == ()
     with db.session() as session:
         jobs.create(DEFAULT_WORKSPACE, "shells", {}, session=session)
-        keys.complete(DEFAULT_WORKSPACE, "k", REPLY, session=session)
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") == REPLY
+        keys.keep(DEFAULT_WORKSPACE, "k", "f", REPLY, session)
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == REPLY
     assert len(jobs.list(DEFAULT_WORKSPACE).items) == 1
 
 
-def test_a_request_that_died_with_its_server_gives_its_key_back(keys: IdempotencyKeys, db: Database) -> None:
-    keys.begin(DEFAULT_WORKSPACE, "k", "f")
-    age(db, "k", timedelta(seconds=idempotency.IN_FLIGHT_S - 30))
-    assert code_of(keys, "k", "f") == "idempotency.in_flight"
-    age(db, "k", timedelta(seconds=idempotency.IN_FLIGHT_S + 1))
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") is None
-    assert code_of(keys, "k", "f") == "idempotency.in_flight"
+def test_a_key_an_older_version_left_when_it_was_killed_is_free(keys: IdempotencyKeys, db: Database) -> None:
+    with db.session() as session:
+        row = IdempotencyRow(workspace=DEFAULT_WORKSPACE, key="k", fingerprint="e", reply=None, created_at=db.now(session))
+        session.add(row)
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") is None
+    keep(keys, db, "k", "f")
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == REPLY
 
 
 def test_keys_are_kept_for_a_day(keys: IdempotencyKeys, db: Database) -> None:
     for key in ("old", "young"):
-        keys.begin(DEFAULT_WORKSPACE, key, "f")
-        keys.complete(DEFAULT_WORKSPACE, key, REPLY)
+        keep(keys, db, key, "f")
     age(db, "old", timedelta(hours=23.9))
-    assert keys.begin(DEFAULT_WORKSPACE, "old", "f") == REPLY
+    assert keys.find(DEFAULT_WORKSPACE, "old", "f") == REPLY
     assert keys.sweep() == 0
     age(db, "old", timedelta(hours=24.1))
-    assert keys.begin(DEFAULT_WORKSPACE, "old", "another request") is None
+    assert keys.find(DEFAULT_WORKSPACE, "old", "another request") is None
+    keep(keys, db, "old", "another request", OTHER)
+    assert keys.find(DEFAULT_WORKSPACE, "old", "another request") == OTHER
     age(db, "old", timedelta(hours=24.1))
     assert keys.sweep() == 1
-    assert keys.begin(DEFAULT_WORKSPACE, "young", "f") == REPLY
+    assert keys.find(DEFAULT_WORKSPACE, "young", "f") == REPLY
 
 
-def test_of_many_at_once_one_goes_on(keys: IdempotencyKeys) -> None:
+def test_of_many_at_once_one_does_the_work(keys: IdempotencyKeys, jobs: Jobs, db: Database) -> None:
     start = threading.Barrier(8)
     outcomes: list[str] = []
 
     def send() -> None:
         start.wait(timeout=30)
         try:
-            outcomes.append("mine" if keys.begin(DEFAULT_WORKSPACE, "k", "f") is None else "replayed")
-        except StateError as error:
-            outcomes.append(error.code)
+            with db.session() as session:
+                jobs.create(DEFAULT_WORKSPACE, "shells", {}, session=session)
+                keys.keep(DEFAULT_WORKSPACE, "k", "f", REPLY, session)
+            outcomes.append("done")
+        except OvertakenError:
+            outcomes.append("overtaken")
 
     threads = [threading.Thread(target=send) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert sorted(outcomes) == ["idempotency.in_flight"] * 7 + ["mine"]
+    assert sorted(outcomes) == ["done"] + ["overtaken"] * 7
+    assert len(jobs.list(DEFAULT_WORKSPACE).items) == 1

@@ -111,12 +111,13 @@ def test_foreign_meshes_and_results_cannot_be_referred_to(
 
 def test_the_same_idempotency_key_is_another_in_each_workspace(db: Database, other: WorkspaceId) -> None:
     keys, reply = IdempotencyKeys(db), Reply(201, {}, {"job": "1"})
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") is None
-    assert keys.begin(other, "k", "f") is None
-    keys.complete(DEFAULT_WORKSPACE, "k", reply)
-    keys.abandon(other, "k")
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") == reply
-    assert keys.begin(other, "k", "g") is None
+    with db.session() as session:
+        keys.keep(DEFAULT_WORKSPACE, "k", "f", reply, session)
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == reply
+    assert keys.find(other, "k", "g") is None
+    with db.session() as session:
+        keys.keep(other, "k", "g", reply, session)
+    assert keys.find(other, "k", "g") == reply
 
 
 def test_sums_of_outputs_follow_the_job(jobs: Jobs, db: Database) -> None:
@@ -169,12 +170,12 @@ def test_what_was_there_before_belongs_to_the_default_workspace(old: Settings) -
     finish(jobs, job)
     waiting = jobs.create(DEFAULT_WORKSPACE, "validate", {"a": 1})
     keys, reply = IdempotencyKeys(database), Reply(201, {}, {"job": job.id})
-    keys.begin(DEFAULT_WORKSPACE, "k", "f")
-    keys.complete(DEFAULT_WORKSPACE, "k", reply)
+    with database.session() as session:
+        keys.keep(DEFAULT_WORKSPACE, "k", "f", reply, session)
     before = [jobs.get(DEFAULT_WORKSPACE, one.id) for one in (job, waiting)]
     told = Events(database).after(DEFAULT_WORKSPACE, job.id)
     Workspaces(database).create("lab-b")
-    assert keys.begin(WorkspaceId("lab-b"), "k", "f") is None
+    assert keys.find(WorkspaceId("lab-b"), "k", "f") is None
 
     database.revert("v0002")
     with database.reading() as session:
@@ -186,7 +187,7 @@ def test_what_was_there_before_belongs_to_the_default_workspace(old: Settings) -
 
     assert [jobs.get(DEFAULT_WORKSPACE, one.id) for one in (job, waiting)] == before
     assert Events(database).after(DEFAULT_WORKSPACE, job.id) == told
-    assert keys.begin(DEFAULT_WORKSPACE, "k", "f") == reply
+    assert keys.find(DEFAULT_WORKSPACE, "k", "f") == reply
     with database.reading() as session:
         sums = set(session.execute(text("SELECT status, output_bytes FROM jobs")).all())
     assert sums == {(JobStatus.SUCCESSFUL, PACKAGE.size + REPORT.size), (JobStatus.ACCEPTED, 0)}

@@ -123,8 +123,8 @@ def test_every_row_and_file_comes_back(source: str, target: str, place: Open, va
     db, blobs = here = place(source)
     Workspaces(db).create("lab", quota_bytes=7 * 1024**4)
     key = ApiKeys(db).create(WorkspaceId("lab"), "Ada", [Scope.READ])
-    IdempotencyKeys(db).begin(DEFAULT_WORKSPACE, "monday", "f" * 64)
-    IdempotencyKeys(db).complete(DEFAULT_WORKSPACE, "monday", Reply(201, {}, {"job": None}))
+    with db.session() as session:
+        IdempotencyKeys(db).keep(DEFAULT_WORKSPACE, "monday", "f" * 64, Reply(201, {}, {"job": None}), session)
     jobs = [finished(db, blobs, f"{number}".encode(), WorkspaceId("lab")) for number in range(3)]
     report = make(here, vault)
     assert (report.manifest.blobs.count, report.copied, report.manifest.missing) == (6, 6, ())
@@ -159,7 +159,6 @@ def test_what_was_running_is_queued_again_and_its_old_worker_writes_nothing(kind
     tokens = {job.id: claimed.lease_token for job in (running, dismissed) if (claimed := jobs.claim(job.id, 1, "old", 600))}
     jobs.mark_rung(waiting.id, 1)
     jobs.dismiss(DEFAULT_WORKSPACE, dismissed.id)
-    IdempotencyKeys(db).begin(DEFAULT_WORKSPACE, "in flight", "f" * 64)
     Uploads(db).create(DEFAULT_WORKSPACE, file_name="half.stl", fields={}, length=10)
     make(here, vault)
     # the lost world goes on: another worker claims the job twice more
@@ -180,7 +179,6 @@ def test_what_was_running_is_queued_again_and_its_old_worker_writes_nothing(kind
         assert not jobs.renew(running.id, token, 600).kept
     assert jobs.renew(running.id, claimed.lease_token, 600).kept
     assert Uploads(there).known() == frozenset()
-    assert IdempotencyKeys(there).begin(DEFAULT_WORKSPACE, "in flight", "e" * 64) is None
 
 
 def test_only_what_is_new_is_copied_and_old_ones_go(place: Open, vault: Vault) -> None:
