@@ -12,9 +12,10 @@ from pydantic import ValidationError
 
 from api.app import create_app
 from api.binding import require_allowed_binding
-from api.log_format import configure_logging
 from core.errors import IntegumentError
+from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
+from store.redaction import Redaction
 from store.settings import Settings
 
 GRACE_S = 5  # for answers under way; streams and long polls end at once
@@ -34,9 +35,9 @@ class DrainingServer(uvicorn.Server):
 
 def main() -> int:
     """0 after a clean stop, 2 if the settings are at fault; SystemExit 3 (uvicorn's) if it cannot start."""
-    configure_logging()
     try:
         settings = Settings()
+        configure_logging(settings.log_format, Redaction.of(settings))
         require_allowed_binding(settings)
         survey_confinement(required=settings.require_confinement)
     except (ValidationError, IntegumentError) as error:
@@ -47,6 +48,7 @@ def main() -> int:
         app,
         host=settings.host,
         port=settings.port,
+        log_config=None,  # its lines are like ours; requests are told of by api.request_log
         log_level="warning",
         access_log=False,
         server_header=False,

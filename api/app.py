@@ -19,6 +19,7 @@ from api.partial_file import sweep_partial_files
 from api.problem_handlers import install_problem_handlers
 from api.request_context import LOOPBACK_HOSTS, RequestContext
 from api.request_folder import sweep_incoming
+from api.request_log import RequestLog
 from api.routes import callbacks, events, health, jobs, landing, meshes, page, processes, results, uploads
 from api.services import Services, make_services
 from api.version import SERVER_VERSION
@@ -51,6 +52,7 @@ def create_app(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
         lifespan=_lifespan,
         middleware=[
+            Middleware(RequestLog, tally=services.http_tally),
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
             Middleware(Gate, admission=services.admission, limiter=services.limiter, trail=services.trail),
             Middleware(BodyLimit, counts_itself=_takes_files),
@@ -72,6 +74,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     await run_in_threadpool(services.db.migrate)
     await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
     services.trail.start()
+    services.http_tally.start()
     services.ringer.start()
     services.nursery.start()  # loads in the background while the first requests come
     sweeping = asyncio.create_task(_sweep_uploads(services))
@@ -84,6 +87,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         services.drain.begin()
         await run_in_threadpool(services.nursery.stop)
         await run_in_threadpool(services.trail.stop)
+        await run_in_threadpool(services.http_tally.stop)
         await run_in_threadpool(services.ringer.stop)
         services.doorbell.close()
         services.limiter.close()

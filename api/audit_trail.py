@@ -5,7 +5,6 @@ leaves the lines."""
 
 from __future__ import annotations
 
-import json
 import logging
 import queue
 import threading
@@ -47,7 +46,8 @@ class AuditTrail:
 
     def note(self, entry: AuditEntry) -> None:
         """What was done."""
-        lines.info("%s", json.dumps(entry.describe()))
+        extra = {"event": "audit", "fields": entry.describe()}
+        lines.info("%s %s: %s", entry.action, entry.subject[:200], entry.outcome, extra=extra)
         try:
             self._waiting.put_nowait(entry)
         except queue.Full:

@@ -36,10 +36,15 @@ def _check_drain(services: Services) -> str | None:
     return "the server is stopping" if services.drain.begun else None
 
 
+def _check_workers(services: Services) -> str | None:
+    return None if services.workers.any_alive() else "no worker has given word lately; jobs are accepted, and wait"
+
+
 CHECKS: dict[str, Callable[[Services], str | None]] = {
     "database": _check_database,
     "broker": _check_broker,
     "blobs": _check_blobs,
     "disk": _check_disk,
     "drain": _check_drain,
+    "workers": _check_workers,
 }

@@ -12,6 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from api.problem_handlers import on_unexpected
 from api.problems import describe_problem, problem_response
 from api.request_id import HEADER, choose_request_id
+from sandbox.log_lines import add_log_context
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 ANY_HOST = "*"
@@ -44,6 +45,7 @@ class RequestContext:
             return
         headers = Headers(scope=scope)
         scope["request_id"] = choose_request_id(headers.get(HEADER))
+        add_log_context(request_id=scope["request_id"])
         started = False
 
         async def send_with_headers(message: Message) -> None:

@@ -12,6 +12,7 @@ from fastapi import Depends, Request
 from api.admission import Admission
 from api.audit_trail import AuditTrail
 from api.drain import Drain
+from api.http_tally import HttpTally
 from api.job_watch import JobWatch
 from api.ringing import Ringer
 from api.stream_slots import StreamSlots
@@ -29,6 +30,7 @@ from store.job_heads import JobHeads
 from store.jobs import Jobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
+from store.metrics import Metrics
 from store.open_blobs import open_blobs
 from store.quotas import Quotas
 from store.rate_limit import RateLimiter
@@ -36,6 +38,7 @@ from store.receivers import Receivers
 from store.retention_policy import RetentionPolicies, RetentionPolicy
 from store.settings import Settings
 from store.uploads import Uploads
+from store.workers import Workers
 
 CONCURRENT_INTAKES = 2  # each may use intake_memory_bytes
 INTAKE_MODULES = ("core.processes.intake", "core.processes.export")
@@ -59,6 +62,9 @@ class Services:
     heads: JobHeads
     watch: JobWatch
     backlog: Backlog
+    workers: Workers
+    metrics: Metrics
+    http_tally: HttpTally
     keys: IdempotencyKeys
     doorbell: Doorbell
     ringer: Ringer
@@ -85,6 +91,7 @@ def make_services(settings: Settings) -> Services:
     """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
     db = Database(settings)
     blobs = open_blobs(settings, db)
+    metrics = Metrics(db)
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
     jobs = Jobs(db, quotas, RetentionPolicies(db, RetentionPolicy.of(settings)))
     doorbell = Doorbell(settings.broker_url, settings.queue)
@@ -104,6 +111,9 @@ def make_services(settings: Settings) -> Services:
         heads=heads,
         watch=JobWatch(heads, drain, settings.event_poll_s),
         backlog=Backlog(db),
+        workers=Workers(db, settings),
+        metrics=metrics,
+        http_tally=HttpTally(metrics),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
         doorbell=doorbell,
         ringer=Ringer(doorbell, jobs),

@@ -22,6 +22,7 @@ from typing import Any
 from core.errors import InternalError
 from sandbox.child import Child
 from sandbox.limits import Limits
+from sandbox.log_lines import LOG_FORMAT
 from sandbox.outcome import revive
 from sandbox.request import Request
 
@@ -32,7 +33,7 @@ THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 PASSED_VARIABLES = (
     *("PATH", "LD_LIBRARY_PATH", "PYTHONHASHSEED", "PYTHONDONTWRITEBYTECODE", "NUMBA_BOUNDSCHECK"),
     *("HOME", "TMPDIR", "XDG_CACHE_HOME", "MPLCONFIGDIR", "NUMBA_CACHE_DIR"),
-    *("LANG", "LC_ALL", "LC_CTYPE", "TZ"),
+    *("LANG", "LC_ALL", "LC_CTYPE", "TZ", LOG_FORMAT),
 )
 STOP_PATIENCE_S = 10.0
 

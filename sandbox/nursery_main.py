@@ -18,13 +18,14 @@ from typing import Any
 from core.errors import InternalError
 from sandbox.fork_server import ForkServer, owner_is_gone
 from sandbox.kernel import PR_SET_CHILD_SUBREAPER, set_process_flag
+from sandbox.log_lines import LOG_FORMAT, configure_logging
 
 logger = logging.getLogger("sandbox.nursery")
 
 
 def main(arguments: Sequence[str]) -> None:
     """Preload, then serve until the owner goes."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    configure_logging(os.environ.get(LOG_FORMAT, "auto"), str)
     owner = socket.socket(fileno=int(arguments[0]))
     set_process_flag(PR_SET_CHILD_SUBREAPER, 1)
     die_with(owner)

@@ -45,6 +45,11 @@ class Tally:
         self._sums[Cell(family.name, plain, str(bisect_left(family.buckets, value)))] += 1.0
         self._sums[Cell(family.name, plain, SUM)] += value
 
+    def absorb(self, other: Tally) -> None:
+        """Add all of another."""
+        for cell, value in other._sums.items():
+            self._sums[cell] += value
+
     def describe(self) -> list[list[Any]]:
         """JSON for a row."""
         return [[cell.family, list(cell.labels), cell.cell, value] for cell, value in self._sums.items()]

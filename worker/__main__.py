@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import logging
 import sys
 
 from core.errors import IntegumentError
+from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
+from store.redaction import Redaction
 from store.settings import Settings
 from worker.liveness import Liveness
 
@@ -20,7 +21,7 @@ def main() -> int:
     settings = Settings()
     if arguments.check:
         return 0 if Liveness(settings).is_fresh() else 1
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    configure_logging(settings.log_format, Redaction.of(settings))
     try:
         survey_confinement(required=settings.require_confinement)
     except IntegumentError as error:

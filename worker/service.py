@@ -9,6 +9,7 @@ from typing import Any
 from celery.signals import worker_ready, worker_shutting_down
 
 from store.metrics import Metrics
+from store.periodic import Periodic
 from store.receivers import Receivers
 from store.settings import Settings
 from store.stored_bytes import StoredBytes
@@ -17,7 +18,6 @@ from worker.callback_sender import CallbackSender
 from worker.crew import Crew
 from worker.deliverer import Deliverer
 from worker.liveness import Liveness
-from worker.periodic import Periodic
 from worker.pool import BellTaskPool
 from worker.presence import Presence
 from worker.reconciler import SWEEP_S, Reconciler

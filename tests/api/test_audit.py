@@ -71,7 +71,7 @@ def test_acts_and_refusals_are_told_and_reading_is_not(live: Live, caplog: pytes
         ("unknown", key, None, "GET /metrics", "/metrics", "access.scope_missing"),
     ]
     assert entries[2].request_id == "r-7"
-    lines = [json.loads(record.message) for record in caplog.records if record.name == "integument.audit"]
+    lines = [vars(record)["fields"] for record in caplog.records if record.name == "integument.audit"]
     assert lines == [one.describe() for one in entries]
 
 

@@ -18,7 +18,7 @@ from store.tally import Cell
 from store.version import SERVER_VERSION
 from store.workers import Workers, WorkerState
 from tests.worker.conftest import Service
-from worker.periodic import Periodic
+from store.periodic import Periodic
 
 
 def until(condition: Callable[[], object], service: Service) -> None:
