@@ -7,25 +7,37 @@ import threading
 import time
 
 from core.errors import IntegumentError
+from store.job import Job
+from store.leadership import Leadership
+from store.unfit import Unfit
+from store.workers import Workers, WorkerState
 from worker.job_folder import sweep_job_folders
 from worker.liveness import Liveness
 from worker.workshop import Workshop
 
 logger = logging.getLogger(__name__)
 
+OFFICE = "reconciler"
+LEAD_ROUNDS = 3  # a leader silent for so many rounds is followed by another
 SWEEP_S = 600.0
 BLOB_GRACE_S = 3600.0  # a blob without a row may belong to an upload whose row is just being written
 
 
 class Reconciler:
-    """A thread of the worker. Several workers reconcile at once without harm: every act is one transaction."""
+    """A thread of the worker. One worker of all leads and looks after jobs and stored things; each after its own host.
+
+    A leader that was paused and followed by another does no harm when it wakes up: every act is one transaction."""
 
     def __init__(self, workshop: Workshop, liveness: Liveness) -> None:
         self._workshop = workshop
         self._liveness = liveness
+        self._leadership = Leadership(workshop.db, OFFICE, workshop.name, LEAD_ROUNDS * workshop.settings.reconcile_s)
+        self._leads = False
+        self._workers = Workers(workshop.db, workshop.settings)
+        self._unfit = Unfit(workshop.db)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._loop, name="reconciler", daemon=True)
-        self._swept_at = -SWEEP_S
+        self._tidied_at = self._swept_at = -SWEEP_S
 
     def start(self) -> None:
         """Begin with a look at once."""
@@ -41,18 +53,50 @@ class Reconciler:
         if self._thread.is_alive():
             self._thread.join()
 
-    def reconcile(self) -> None:
-        """One look: lost leases first, then whoever waits unheard."""
-        for job in self._workshop.jobs.expire_leases():
-            logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
-        for job_id, attempt in self._workshop.jobs.due_to_ring(self._workshop.settings.rering_s):
-            if not self._workshop.announce(job_id, attempt):
-                return
+    def look(self) -> None:
+        """One round. Raises IntegumentError; who cannot lead lets another."""
+        self._liveness.beat()
+        if time.monotonic() - self._tidied_at >= SWEEP_S:
+            self.tidy()
+            self._tidied_at = time.monotonic()
+        leads = self._leadership.campaign()
+        if leads != self._leads:
+            logger.info("%s %s the reconciler", self._workshop.name, "is now" if leads else "is no longer")
+        self._leads = leads
+        if not leads:
+            return
+        if not self.reconcile():  # the broker does not answer us; perhaps another
+            self._leadership.resign()
+        if time.monotonic() - self._swept_at >= SWEEP_S:
+            self.sweep()
+            self._swept_at = time.monotonic()
 
-    def sweep(self) -> None:
-        """Remove folders of attempts nobody works on, blobs nobody refers to and idempotency keys of yesterday."""
+    def tidy(self) -> None:
+        """Remove the folders of attempts nobody works on, of this host."""
         for folder in sweep_job_folders(self._workshop.settings.scratch_dir, self._workshop.jobs):
             logger.info("removed the orphan %s", folder)
+
+    def reconcile(self) -> bool:
+        """Lost leases first, then whoever waits unheard; False if the broker does not answer."""
+        for job in self._workshop.jobs.expire_leases():
+            logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
+        for job in self._fail_unfit():
+            logger.warning("job %s: no worker host can hold it", job.id)
+        for job_id, attempt in self._workshop.jobs.due_to_ring(self._workshop.settings.rering_s):
+            if not self._workshop.announce(job_id, attempt):
+                return False
+        return True
+
+    def _fail_unfit(self) -> list[Job]:
+        settings = self._workshop.settings
+        present = [worker.word for worker in self._workers.list() if worker.state is WorkerState.ALIVE]
+        largest_bytes = max((word.memory_bytes for word in present), default=int(settings.worker_memory_bytes))
+        return self._unfit.fail(largest_bytes, settings.job_memory_bytes, settings.host_wait_s)
+
+    def sweep(self) -> None:
+        """Remove what is too old, and blobs nobody refers to."""
+        if dropped := self._workshop.checkpoints.sweep(self._workshop.settings.checkpoint_days):
+            logger.info("forgot %d steps of failed jobs", dropped)
         referenced = self._workshop.references.all()
         if swept := self._workshop.blobs.sweep(referenced, BLOB_GRACE_S):
             logger.info("removed %d unused blobs, %d bytes", len(swept), sum(blob.size for blob in swept))
@@ -64,14 +108,14 @@ class Reconciler:
     def _loop(self) -> None:
         while True:
             try:
-                self._liveness.beat()
-                self.reconcile()
-                if time.monotonic() - self._swept_at >= SWEEP_S:
-                    self.sweep()
-                    self._swept_at = time.monotonic()
+                self.look()
             except IntegumentError as error:
                 logger.warning("the reconciler waits: %s", error)
             except Exception:
                 logger.exception("the reconciler stumbled and goes on")
             if self._stop.wait(self._workshop.settings.reconcile_s):
-                return
+                break
+        try:
+            self._leadership.resign()
+        except IntegumentError as error:
+            logger.warning("the reconciler cannot hand over; another follows when its lease is over: %s", error)

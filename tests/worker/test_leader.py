@@ -1,0 +1,95 @@
+"""One worker of all reconciles; when it is killed or paused another follows, and what it owed is done."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from core.errors import InternalError
+from store.job import JobStatus
+from store.records import LeaderRow
+from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
+from tests.worker.conftest import LIMIT_S, Service
+from worker.liveness import Liveness
+from worker.reconciler import OFFICE, Reconciler
+from worker.workshop import Workshop
+
+
+@pytest.fixture
+def workshop(settings: Settings) -> Iterator[Workshop]:
+    workshop = Workshop.open(settings)
+    workshop.db.migrate()
+    yield workshop
+    workshop.close()
+
+
+def leader(service: Service) -> int:
+    """The pid of the worker that leads."""
+    deadline = time.monotonic() + 3 * LIMIT_S
+    while True:
+        with service.db.reading() as session:
+            row = session.get(LeaderRow, OFFICE)
+            if row is not None and row.holder:
+                return int(row.holder.rpartition(":")[2])
+        assert time.monotonic() < deadline, service.log()
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_another_follows_a_leader_that_is_gone(service: Service, number: signal.Signals) -> None:
+    workers = {worker.pid: worker for worker in (service.start_worker(), service.start_worker())}
+    first = leader(service)
+    job = service.submit("sleep", seconds=60)
+    service.wait_for_child(job)
+    os.kill(first, number)
+    deadline = time.monotonic() + 3 * LIMIT_S
+    while (second := leader(service)) == first:
+        assert time.monotonic() < deadline, service.log()
+        time.sleep(0.05)
+    assert second in workers
+    unheard = service.submit(ring=False)  # only a leader finds it
+    assert service.wait(unheard).status is JobStatus.SUCCESSFUL
+    os.kill(first, signal.SIGKILL)
+    service.workers.remove(workers[first])
+    workers[first].wait()
+
+
+def test_only_who_leads_looks_after_jobs(workshop: Workshop) -> None:
+    first, second = (
+        Reconciler(Workshop.open(workshop.settings), Liveness(workshop.settings)),
+        Reconciler(workshop, Liveness(workshop.settings)),
+    )
+    first._leadership._candidate = "another:1"
+    first.look()
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {})
+    second.look()
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).rung_at is None
+    first._leadership.resign()
+    second.look()
+    assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).rung_at is not None
+
+
+def test_a_leader_without_a_broker_lets_another_try(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    reconciler, other = (Reconciler(workshop, Liveness(workshop.settings)) for _ in range(2))
+    other._leadership._candidate = "another:1"
+    workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {})
+    monkeypatch.setattr(workshop.doorbell, "ring", lambda *_: False, raising=True)
+    reconciler.look()
+    assert other._leadership.campaign()
+
+
+def test_a_database_that_is_away_is_waited_for(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    reconciler = Reconciler(workshop, Liveness(workshop.settings))
+
+    def away() -> bool:
+        raise InternalError("database.unavailable", "away")
+
+    monkeypatch.setattr(reconciler._leadership, "campaign", away)
+    with pytest.raises(InternalError):
+        reconciler.look()
+    assert Liveness(workshop.settings).is_fresh(), "the worker itself lives"
