@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 
 from core.errors import IntegumentError, InternalError
+from sandbox.log_lines import log_context
 from store.job import Job, JobFailure
 from worker.supervise import supervise
 from worker.workshop import Workshop
@@ -14,11 +15,13 @@ logger = logging.getLogger(__name__)
 
 def run_job(workshop: Workshop, job: Job) -> None:
     """Bring a claimed job to its end. Nothing escapes from here: the thread has other jobs to do."""
-    try:
-        supervise(workshop, job)
-    except BaseException as error:
-        logger.exception("job %s: the worker stumbled", job.id)
-        _give_up(workshop, job, error)
+    with log_context(job_id=job.id, attempt=job.attempt, workspace=job.workspace, worker=workshop.name):
+        logger.info("job %s: attempt %d of %s begins", job.id, job.attempt, job.process, extra={"event": "job_claimed"})
+        try:
+            supervise(workshop, job)
+        except BaseException as error:
+            logger.exception("job %s: the worker stumbled", job.id)
+            _give_up(workshop, job, error)
 
 
 def _give_up(workshop: Workshop, job: Job, error: BaseException) -> None:

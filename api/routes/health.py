@@ -29,7 +29,7 @@ async def get_health() -> Health:
     return Health()
 
 
-@router.get("/readyz", operation_id="getReadiness", responses=problems(503))
+@router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
 def get_readiness(services: ServicesDep, exclude: ExcludeParameter = ()) -> Readiness:
     """Database, broker, blob store, disk and a worker are there and the server is not stopping; else 503 says what is missing.
 
