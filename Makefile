@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web chromium
+.PHONY: help demo serve test check bench clean web chromium fuzz audit
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -47,6 +47,14 @@ bench: $(STAMP) ## compare with peers; prints ratios
 
 load: $(STAMP) ## load a server of its own on loopback; prints what it holds of its promises, about 15 minutes
 	$(BIN)/python -m benchmarks.load
+
+FUZZ_SECONDS ?= 60
+fuzz: $(STAMP) ## every reader and the whole API against a coverage-guided fuzzer, FUZZ_SECONDS each; leaves out/fuzz/
+	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" sync --frozen --quiet --group fuzz
+	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_SECONDS)
+
+audit: $(STAMP) ## ask the advisory services about every locked package; needs the internet, so it is no part of `make test`
+	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" audit --frozen
 
 clean: ## forget the environment and everything made
 	rm -rf $(VENV) .uv out web/node_modules api/static

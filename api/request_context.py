@@ -59,6 +59,10 @@ class RequestContext:
             await send(message)
 
         request = Request(scope, receive)
+        if not scope.get("query_string", b"").isascii():
+            scope["query_string"] = b""  # or nothing could say where the request went
+            await _refuse_query(request)(scope, receive, send_with_headers)
+            return
         if not self._is_allowed(headers.getlist("host")):
             await self._refuse(request)(scope, receive, send_with_headers)
             return
@@ -99,6 +103,11 @@ class RequestContext:
                 detail=f"This server does not answer to the host name {sent[:100]!r}; allow it with INTEGUMENT_ALLOWED_HOSTS",
             )
         )
+
+
+def _refuse_query(request: Request) -> ASGIApp:
+    detail = "The query has bytes beyond ASCII; percent-encode them (RFC 3986)"
+    return problem_response(describe_problem(request, code="request.malformed", status=400, detail=detail))
 
 
 def _is_ours(headers: Headers) -> bool:

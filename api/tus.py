@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -52,7 +51,7 @@ def metadata_of(request: Request) -> Mapping[str, str]:
         name, _, value = entry.partition(" ")
         try:
             found[name] = base64.b64decode(value.strip(), validate=True).decode("utf-8")
-        except (binascii.Error, UnicodeDecodeError):
+        except ValueError:  # no Base64, no ASCII, or no UTF-8 in it
             raise InputError(
                 "upload.header_invalid", f"Upload-Metadata {name[:40]!r} is no Base64 of UTF-8", header="Upload-Metadata"
             ) from None
@@ -89,7 +88,7 @@ async def checksum_of(request: Request) -> Checksum | None:
         raise InputError("upload.header_invalid", f"Upload-Checksum names {algorithm[:20]!r}; known are {', '.join(ALGORITHMS)}")
     try:
         return Checksum(algorithm, base64.b64decode(value.strip(), validate=True))
-    except binascii.Error:
+    except ValueError:  # binascii.Error is one, and so is text that is no ASCII
         raise InputError("upload.header_invalid", "Upload-Checksum is no Base64") from None
 
 

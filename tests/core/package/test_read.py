@@ -1,12 +1,15 @@
 """Packages read back: what the files hold, or a named refusal."""
 
 import json
+import struct
+import tempfile
 import zipfile
 
 import numpy as np
 import pytest
 
-from core.errors import InputError
+from core.errors import InputError, LimitError
+from core.package import entries
 from core.package.build import build_package
 from core.package.read import read_shells
 from tests.core.package.nested import report, tissues
@@ -80,3 +83,55 @@ def test_text_is_no_package(tmp_path):
     with pytest.raises(InputError) as caught:
         read_shells(path)
     assert caught.value.code == "package.corrupt"
+
+
+def grow(files):
+    """1 MB and a little of zeros takes 1 kB in the zip."""
+    files["stl/fat.stl"] = bytes(entries.SMALL_BYTES + 1)
+
+
+def lengthen_manifest(files):
+    files["manifest.json"] += b" " * entries.LARGEST_TEXT_BYTES
+
+
+@pytest.mark.parametrize("change", [grow, lengthen_manifest], ids=lambda change: change.__name__)
+def test_a_bomb_is_refused_before_it_is_unpacked(package, change):
+    with zipfile.ZipFile(package) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    change(files)
+    bomb = package.with_name("bomb.zip")
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+    with pytest.raises(LimitError) as caught:
+        read_shells(bomb)
+    assert caught.value.code == "package.too_large"
+
+
+def test_a_zip_that_states_less_than_it_holds_gives_no_more_than_stated(package):
+    data = bytearray(package.read_bytes())
+    with zipfile.ZipFile(package) as archive:
+        name = b"stl/fat.stl"
+        size = archive.getinfo(name.decode()).file_size
+    place = data.rindex(name) - 46  # the entry of the directory at the end
+    assert data[place : place + 4] == b"PK\x01\x02"
+    assert struct.unpack_from("<I", data, place + 24) == (size,)
+    struct.pack_into("<I", data, place + 24, 100)
+    package.write_bytes(data)
+    with pytest.raises(InputError) as caught:
+        read_shells(package)
+    assert caught.value.code in {"package.corrupt", "package.checksum_mismatch"}
+
+
+def test_too_many_files_are_refused(package, monkeypatch):
+    monkeypatch.setattr(entries, "MOST_ENTRIES", 5)
+    with pytest.raises(LimitError) as caught:
+        read_shells(package)
+    assert caught.value.code == "package.too_large"
+
+
+def test_a_broken_disk_is_not_the_fault_of_the_package(package, monkeypatch):
+    """Here a scratch folder that is none."""
+    monkeypatch.setattr(tempfile, "tempdir", "/dev/full")
+    with pytest.raises(OSError, match="/dev/full"):
+        read_shells(package)
