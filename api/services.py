@@ -32,6 +32,7 @@ from store.mesh_inputs import MeshInputs
 from store.meshes import Meshes
 from store.metrics import Metrics
 from store.open_blobs import open_blobs
+from store.parked import Parked
 from store.quotas import Quotas
 from store.rate_limit import RateLimiter
 from store.receivers import Receivers
@@ -56,6 +57,7 @@ class Services:
     uploads: Uploads
     jobs: Jobs
     callbacks: Callbacks
+    parked: Parked
     receivers: Receivers
     quotas: Quotas
     events: Events
@@ -105,6 +107,7 @@ def make_services(settings: Settings) -> Services:
         uploads=Uploads(db, settings.upload_hours, quotas),
         jobs=jobs,
         callbacks=Callbacks(db),
+        parked=Parked(db),
         receivers=Receivers(settings.callback_allow),
         quotas=quotas,
         events=Events(db),

@@ -20,6 +20,7 @@ from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
 from store.queue_position import find_queue_position
+from store.parked import require_not_parked
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
@@ -35,7 +36,7 @@ class Jobs(Admission, Claims, Reconciliation):
     costs and says the same as what is not there."""
 
     def __init__(self, db: Database, quotas: Quotas | None = None, retention: RetentionPolicies | None = None) -> None:
-        """Without `quotas` nobody is limited: for workers, which only take what was accepted.
+        """Without `quotas` nobody is limited, and no request refused as parked: for workers, which only take what was accepted.
 
         With `retention`, jobs that are looked up tell when they expire."""
         super().__init__(db)
@@ -56,18 +57,20 @@ class Jobs(Admission, Claims, Reconciliation):
     ) -> Job:
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
 
-        Raises LimitError `quota.jobs`, `quota.bytes`."""
+        Raises LimitError `quota.jobs`, `quota.bytes`, StateError `job.parked`."""
         meshes = {mesh.href: mesh for mesh in mesh_inputs}.values()
+        fingerprint = fingerprint_of(process, inputs, meshes)
         with self._db.session(session) as work:
             if self._quotas is not None:
                 self._quotas.require_room_for_job(workspace, work)
+                require_not_parked(work, workspace, fingerprint)
             now = self._db.now(work)
             row = JobRow(
                 id=str(uuid4()),
                 workspace=workspace,
                 process=process,
                 inputs=dict(inputs),
-                fingerprint=fingerprint_of(process, inputs, meshes),
+                fingerprint=fingerprint,
                 status=JobStatus.ACCEPTED,
                 phase="",
                 progress=0.0,
@@ -181,7 +184,7 @@ class Jobs(Admission, Claims, Reconciliation):
     def retry(self, workspace: WorkspaceId, job_id: str, *, session: Session | None = None) -> Job:
         """Queue a failed or dismissed job again, for one attempt more.
 
-        Raises StateError `job.not_found`, `job.not_retryable`, LimitError `quota.jobs`, `quota.bytes`."""
+        Raises StateError `job.not_found`, `job.not_retryable`, `job.parked`, LimitError `quota.jobs`, `quota.bytes`."""
         with self._db.session(session) as work:
             if self._quotas is not None:
                 self._quotas.require_room_for_job(workspace, work)
@@ -193,6 +196,8 @@ class Jobs(Admission, Claims, Reconciliation):
                     job=job_id,
                     status=str(row.status),
                 )
+            if self._quotas is not None:
+                require_not_parked(work, workspace, row.fingerprint)
             row.max_attempts = max(row.max_attempts, row.attempt + 1)
             queue_again(work, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(work))
             return snapshot(row)

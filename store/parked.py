@@ -31,24 +31,24 @@ class ParkedRequest:
     parked_at: datetime
 
 
+def require_not_parked(session: Session, workspace: WorkspaceId, fingerprint: str | None) -> None:
+    """Raises StateError `job.parked` with the job that has the evidence."""
+    row = None if fingerprint is None else session.get(ParkedRow, (workspace, fingerprint))
+    if row is not None:
+        raise StateError(
+            "job.parked",
+            f"this request took down {len(row.evidence)} worker(s) or their children and is not tried again until an operator "
+            f"releases it; the evidence is at /v1/jobs/{row.job_id}/attempts",
+            job=row.job_id,
+            attempts=len(row.evidence),
+        )
+
+
 class Parked:
     """Thread-safe."""
 
     def __init__(self, db: Database) -> None:
         self._db = db
-
-    def require_free(self, workspace: WorkspaceId, fingerprint: str, session: Session) -> None:
-        """Raises StateError `job.parked` with the job that has the evidence."""
-        row = session.get(ParkedRow, (workspace, fingerprint))
-        if row is not None:
-            raise _parked(row)
-
-    def require_job_free(self, workspace: WorkspaceId, job_id: str) -> None:
-        """The same for the request of a job. Raises StateError `job.not_found`, `job.parked`."""
-        with self._db.reading() as session:
-            job = owned(session, workspace, job_id)
-            if job.fingerprint is not None:
-                self.require_free(workspace, job.fingerprint, session)
 
     def attempts(self, workspace: WorkspaceId, job_id: str) -> tuple[LostAttempt, ...]:
         """The lost attempts of a job. Raises StateError `job.not_found`."""
@@ -84,16 +84,6 @@ def _row(session: Session, job_id: str) -> ParkedRow:
     if row is None:
         raise StateError("parked.not_found", f"no request is parked because of job {job_id}", job=job_id)
     return row
-
-
-def _parked(row: ParkedRow) -> StateError:
-    return StateError(
-        "job.parked",
-        f"this request took down {len(row.evidence)} worker(s) or their children and is not tried again until an operator "
-        f"releases it; the evidence is at /v1/jobs/{row.job_id}/attempts",
-        job=row.job_id,
-        attempts=len(row.evidence),
-    )
 
 
 def _request(row: ParkedRow) -> ParkedRequest:

@@ -12,6 +12,7 @@ from store.job import Job, JobFailure, JobStatus
 from store.jobs import Jobs
 from store.lost_attempt import LastWords
 from store.parked import Parked
+from store.quotas import Quotas
 from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
 from store.workspaces import Workspaces
 
@@ -37,9 +38,17 @@ def lose(jobs: Jobs) -> Job:
     return job
 
 
-def refusal(db: Database, parked: Parked, job: Job) -> StateError | None:
+def limited(db: Database) -> Jobs:
+    """As the API has it."""
+    return Jobs(db, Quotas(db, default_bytes=0, default_jobs=0))
+
+
+def refusal(db: Database, job: Job) -> StateError | None:
+    """Of the request of `job`, sent once more by somebody who is limited."""
     try:
-        parked.require_job_free(job.workspace, job.id)
+        with db.session() as session:
+            limited(db).create(job.workspace, job.process, job.inputs, session=session)
+            session.rollback()
     except StateError as error:
         return error
     return None
@@ -51,10 +60,10 @@ def test_two_losses_park_the_request_with_its_evidence(jobs: Jobs, db: Database,
     again = jobs.fail(first.id, first.lease_token, CRASHED, retry=True, last_words=WORDS)
     assert again is not None
     assert again.status is JobStatus.ACCEPTED
-    assert refusal(db, parked, job) is None, "once may be chance"
+    assert refusal(db, job) is None, "once may be chance"
     claim(jobs, job, 2, "other:2")
     assert lose(jobs).status is JobStatus.FAILED
-    error = refusal(db, parked, job)
+    error = refusal(db, job)
     assert error is not None
     assert (error.code, error.facts) == ("job.parked", {"job": job.id, "attempts": 2})
 
@@ -66,11 +75,14 @@ def test_two_losses_park_the_request_with_its_evidence(jobs: Jobs, db: Database,
     assert one.started_at <= one.ended_at
     assert (two.attempt, two.worker, two.code, two.signal, two.log) == (2, "other:2", "worker.lost", None, "")
 
+    with pytest.raises(StateError, match="took down 2 worker"):
+        limited(db).retry(DEFAULT_WORKSPACE, job.id)
+    assert jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.FAILED
     twin, other = (jobs.create(DEFAULT_WORKSPACE, "shells", {"depth": depth}) for depth in (1, 2))
-    assert refusal(db, parked, twin) is not None
-    assert refusal(db, parked, other) is None
+    assert refusal(db, twin) is not None
+    assert refusal(db, other) is None
     Workspaces(db).create("other")
-    assert refusal(db, parked, jobs.create(WorkspaceId("other"), "shells", {"depth": 1})) is None
+    assert refusal(db, jobs.create(WorkspaceId("other"), "shells", {"depth": 1})) is None
 
 
 def test_evidence_outlives_the_job_and_ends_with_the_release(jobs: Jobs, db: Database, parked: Parked) -> None:
@@ -85,7 +97,7 @@ def test_evidence_outlives_the_job_and_ends_with_the_release(jobs: Jobs, db: Dat
     assert parked.list(WorkspaceId("nobody")) == []
     assert parked.get(job.id) == parked.get(twin.id) == kept
     assert parked.release(twin.id) == kept
-    assert refusal(db, parked, twin) is None
+    assert refusal(db, twin) is None
     with pytest.raises(StateError, match="no request is parked"):
         parked.release(job.id)
     with pytest.raises(StateError, match="there is no job"):
