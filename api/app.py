@@ -54,7 +54,9 @@ def create_app(settings: Settings) -> FastAPI:
         middleware=[
             Middleware(RequestLog, tally=services.http_tally),
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
-            Middleware(Gate, admission=services.admission, limiter=services.limiter, trail=services.trail),
+            Middleware(
+                Gate, admission=services.admission, limiter=services.limiter, trail=services.trail, disk=services.disk
+            ),
             Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )

@@ -16,14 +16,19 @@ from api.needed_scope import needed_scope
 from api.problem_handlers import answer_error
 from api.rate import rate_headers, require_allowance
 from core.errors import IntegumentError
+from store.disk_floor import DiskFloor
 from store.rate_limit import Allowance, RateLimiter
+
+BRING_WORK = frozenset({"POST", "PATCH", "PUT"})  # reading and removing go on where the disk is full
 
 
 class Gate:
-    """ASGI middleware between `api.request_context` and everything else: keys, the rate of the key's workspace, the audit log."""
+    """ASGI middleware between `api.request_context` and everything else: keys, the rate of the key's workspace, the
+    disk, the audit log."""
 
-    def __init__(self, app: ASGIApp, admission: Admission, limiter: RateLimiter, trail: AuditTrail) -> None:
+    def __init__(self, app: ASGIApp, admission: Admission, limiter: RateLimiter, trail: AuditTrail, disk: DiskFloor) -> None:
         self.app = app
+        self._disk = disk
         self._admission = admission
         self._limiter = limiter
         self._trail = trail
@@ -53,6 +58,8 @@ class Gate:
             if access.key_id is not None:  # whoever needs no key is alone on his machine: he is not counted
                 allowance = await run_in_threadpool(self._limiter.take, access.workspace)
             require_allowance(access, allowance)
+            if scope["method"] in BRING_WORK:
+                self._disk.require()
         except IntegumentError as error:
             key_id = error.facts.get("key")
             self._trail.note_refusal(refusal_of(scope, error.code, str(key_id) if key_id is not None else None))

@@ -57,6 +57,7 @@ STATUS_BY_CODE: dict[str, int] = {
     "server.busy": HTTPStatus.SERVICE_UNAVAILABLE,
     "server.not_ready": HTTPStatus.SERVICE_UNAVAILABLE,
     "storage.full": HTTPStatus.INSUFFICIENT_STORAGE,
+    "storage.low": HTTPStatus.INSUFFICIENT_STORAGE,
     "upload.busy": HTTPStatus.LOCKED,
     "upload.checksum_mismatch": CHECKSUM_MISMATCH,
     "upload.header_invalid": HTTPStatus.BAD_REQUEST,

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 
 from api.request_folder import request_folder
 from api.services import Services
-
-DISK_FLOOR_BYTES = 256 * 1024**2
 
 
 def _check_database(services: Services) -> str | None:
@@ -28,8 +25,8 @@ def _check_blobs(services: Services) -> str | None:
 
 
 def _check_disk(services: Services) -> str | None:
-    free = shutil.disk_usage(services.settings.data_dir).free
-    return None if free >= DISK_FLOOR_BYTES else f"{free} bytes are free, {DISK_FLOOR_BYTES} are needed"
+    free, floor = services.disk.free_bytes(), services.disk.floor_bytes
+    return None if free >= floor else f"{free} bytes are free, {floor} are needed"
 
 
 def _check_drain(services: Services) -> str | None:

@@ -23,6 +23,7 @@ from store.backlog import Backlog
 from store.blobs import Blobs
 from store.callbacks import Callbacks
 from store.database import Database
+from store.disk_floor import DiskFloor
 from store.doorbell import Doorbell
 from store.events import Events
 from store.idempotency import IdempotencyKeys
@@ -77,6 +78,7 @@ class Services:
     limiter: RateLimiter
     trail: AuditTrail
     drain: Drain
+    disk: DiskFloor
 
     @property
     def incoming_dir(self) -> Path:
@@ -127,6 +129,7 @@ def make_services(settings: Settings) -> Services:
         limiter=RateLimiter(settings.broker_url, settings.rate_per_s, settings.rate_burst),
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=drain,
+        disk=DiskFloor(settings.data_dir, settings.disk_floor_bytes),
     )
 
 
