@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
+from store.larger_need import larger_need
 from store.lost_attempt import DEADLY, LastWords, park_if_deadly, record_loss
 from store.records import JobRow
 from store.storable import storable, storable_text
@@ -144,6 +145,7 @@ class Claims:
             now = self._db.now(session)
             if failure.code in DEADLY and not row.dismiss_requested:
                 record_loss(session, row, failure.code, failure.message, last_words, now)
+            row.expected_memory_bytes = larger_need(row.expected_memory_bytes, failure, peak_memory_bytes)
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
             elif retry and row.attempt < row.max_attempts:

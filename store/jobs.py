@@ -19,8 +19,8 @@ from store.database import Database
 from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.page import Page, from_cursor, to_cursor
-from store.queue_position import find_queue_position
 from store.parked import require_not_parked
+from store.queue_position import find_queue_position
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow

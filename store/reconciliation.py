@@ -12,6 +12,7 @@ from core.errors import InternalError
 from store.database import Database
 from store.job import Job, JobFailure, JobStatus
 from store.job_tally import count_expiry
+from store.larger_need import larger_need
 from store.lost_attempt import LastWords, park_if_deadly, record_loss
 from store.records import JobRow
 from store.transition import end_dismissed, end_failed, queue_again, snapshot
@@ -65,15 +66,6 @@ class Reconciliation:
                 .values(rung_at=self._db.now(session))
             )
 
-    def mark_all_rung(self, attempts: Iterable[tuple[str, int]]) -> None:
-        """The same for many (job id, attempt), in one transaction."""
-        with self._db.session() as session:
-            session.execute(
-                update(JobRow)
-                .where(tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED)
-                .values(rung_at=self._db.now(session))
-            )
-
     def expire_leases(self, now: datetime | None = None) -> list[Job]:
         """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`."""
         with self._db.session() as session:
@@ -97,6 +89,7 @@ class Reconciliation:
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
             elif row.attempt < row.max_attempts:
+                row.expected_memory_bytes = larger_need(row.expected_memory_bytes, _lost(row), None)
                 queue_again(session, row, row.attempt + 1, f"worker of attempt {row.attempt} was lost", now)
             else:
                 end_failed(session, row, _lost(row), now)

@@ -166,12 +166,17 @@ class _Attempt:
                 outputs=outputs,
                 timings_s=self._progress.timings_s(),
                 peak_memory_bytes=self._peak_bytes,
-                retry=error.code in RETRIED_CODES,
+                retry=error.code in RETRIED_CODES or self._ran_out_of(error),
                 last_words=self._last_words,
             )
         )
         if job is not None and not job.status.is_finished:
             self._workshop.announce(job.id, job.attempt)
+
+    def _ran_out_of(self, error: IntegumentError) -> bool:
+        """Whether it was the memory of this host, so that a larger one may do."""
+        settings = self._workshop.settings
+        return error.code == "limit.memory" and settings.worker_memory_bytes < settings.job_memory_bytes
 
     def _keep_beating(self, work: Callable[[], T]) -> T:
         """Do slow work with blobs, again while their store is away, and keep the lease."""
