@@ -4,7 +4,7 @@ process tells the same; only event streams and `process_*` are of the process th
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import accumulate
+from itertools import accumulate, product
 
 from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
@@ -12,6 +12,7 @@ from prometheus_client.registry import Collector
 from prometheus_client.utils import floatToGoString
 
 from api.services import Services
+from core.schema.expectation import JobQueue
 from core.schema.processes import PROCESSES
 from store.callback import CallbackState
 from store.job import JobStatus
@@ -52,17 +53,18 @@ class _Snapshot(Collector):
 
 def _backlog(services: Services) -> Iterator[Metric]:
     count = services.backlog.count()
-    jobs = GaugeMetricFamily("integument_jobs", "Jobs that wait or run.", labels=("process", "status"))
-    for process in sorted({*PROCESSES, *(process for process, _ in count.jobs)}):
-        for status in (JobStatus.ACCEPTED, JobStatus.RUNNING):
-            jobs.add_metric((process, status.value), count.jobs.get((process, status), 0))
+    jobs = GaugeMetricFamily("integument_jobs", "Jobs that wait or run.", labels=("process", "queue", "status"))
+    for process in sorted({*PROCESSES, *(process for process, _, _ in count.jobs)}):
+        for queue, status in product(JobQueue, (JobStatus.ACCEPTED, JobStatus.RUNNING)):
+            jobs.add_metric((process, queue.value, status.value), count.jobs.get((process, queue, status), 0))
     yield jobs
     backlog = sum(count.jobs.values())
     yield GaugeMetricFamily("integument_backlog", "All jobs that wait or run: what to scale workers by.", value=backlog)
-    yield GaugeMetricFamily(
-        *("integument_oldest_waiting_seconds", "For how long the job that waits longest has been waiting; 0 if none waits."),
-        value=count.oldest_waiting_s,
-    )
+    text = "For how long the job that waits longest has been waiting; 0 if none waits."
+    oldest = GaugeMetricFamily("integument_oldest_waiting_seconds", text, labels=("queue",))
+    for queue, waiting_s in count.oldest_waiting_s.items():
+        oldest.add_metric((queue.value,), waiting_s)
+    yield oldest
     yield GaugeMetricFamily("integument_uploads_open", "Uploads in pieces under way.", value=count.uploads)
     callbacks = GaugeMetricFamily("integument_callbacks", "Callbacks to be sent, and those given up.", labels=("state",))
     told = services.callbacks.count()

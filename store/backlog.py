@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
 
 from sqlalchemy import func, select
 
+from core.schema.expectation import JobQueue
 from store.database import Database
 from store.instant import Instant
 from store.job import JobStatus
@@ -22,13 +22,13 @@ LIVE = (JobStatus.ACCEPTED, JobStatus.RUNNING)
 class BacklogCount:
     """One look at the tables. uploads: those in pieces that are under way."""
 
-    jobs: Mapping[tuple[str, JobStatus], int]  # (process, status) -> number, without zeros
-    oldest_waiting_s: float  # 0 if none waits
+    jobs: Mapping[tuple[str, JobQueue, JobStatus], int]  # (process, queue, status) -> number, without zeros
+    oldest_waiting_s: Mapping[JobQueue, float]  # 0 if none waits
     uploads: int
 
     def total(self, status: JobStatus) -> int:
-        """Of all processes."""
-        return sum(number for (_, one), number in self.jobs.items() if one is status)
+        """Of all processes and queues."""
+        return sum(number for (_, _, one), number in self.jobs.items() if one is status)
 
 
 class Backlog:
@@ -38,17 +38,20 @@ class Backlog:
         self._db = db
 
     def count(self) -> BacklogCount:
-        """Waiting and running jobs by process, and for how long the job that waits longest has been waiting."""
+        """Waiting and running jobs, and for how long the job that waits longest in each queue has been waiting."""
         with self._db.reading() as session:
             grouped = session.execute(
-                select(JobRow.process, JobRow.status, func.count())
+                select(JobRow.process, JobRow.queue, JobRow.status, func.count())
                 .where(JobRow.status.in_(LIVE))
-                .group_by(JobRow.process, JobRow.status)
+                .group_by(JobRow.process, JobRow.queue, JobRow.status)
             ).all()
-            oldest: datetime | None = session.execute(
-                select(func.min(JobRow.queued_at, type_=Instant())).where(JobRow.status == JobStatus.ACCEPTED)
-            ).scalar_one()
+            oldest = session.execute(
+                select(JobRow.queue, func.min(JobRow.queued_at, type_=Instant()))
+                .where(JobRow.status == JobStatus.ACCEPTED)
+                .group_by(JobRow.queue)
+            ).all()
             uploads = session.execute(select(func.count()).where(UploadRow.mesh_id.is_(None))).scalar_one()
-            waiting_s = (self._db.now(session) - oldest).total_seconds() if oldest is not None else 0.0
-        jobs = {(process, JobStatus(status)): count for process, status, count in grouped}
-        return BacklogCount(jobs, max(waiting_s, 0.0), uploads)
+            now = self._db.now(session)
+        jobs = {(process, JobQueue(queue), JobStatus(status)): count for process, queue, status, count in grouped}
+        waiting_s = {JobQueue(queue): max((now - since).total_seconds(), 0.0) for queue, since in oldest}
+        return BacklogCount(jobs, dict.fromkeys(JobQueue, 0.0) | waiting_s, uploads)

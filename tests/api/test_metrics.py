@@ -56,12 +56,12 @@ def test_what_there_is_to_do_and_who_is_there(tmp_path: Path) -> None:
             lines = stream.iter_lines()
             next(lines)
             told = scrape(live)
-    assert value(told, "jobs", process="validate", status="accepted") == 2
-    assert value(told, "jobs", process="validate", status="running") == 1
-    assert value(told, "jobs", process="shells", status="running") == 1
-    assert value(told, "jobs", process="heal", status="running") == 0, "a process nobody uses is told of, too"
+    assert value(told, "jobs", process="validate", queue="heavy", status="accepted") == 2
+    assert value(told, "jobs", process="validate", queue="heavy", status="running") == 1
+    assert value(told, "jobs", process="shells", queue="heavy", status="running") == 1
+    assert value(told, "jobs", process="heal", queue="heavy", status="running") == 0, "a process nobody uses is told of, too"
     assert value(told, "backlog") == 4
-    assert 0 < value(told, "oldest_waiting_seconds") < 60
+    assert 0 < value(told, "oldest_waiting_seconds", queue="heavy") < 60
     assert value(told, "event_streams") == 1
     assert value(told, "uploads_open") == 0
     assert value(told, "callbacks", state="dead") == 0

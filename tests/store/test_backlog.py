@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import text
 
+from core.schema.expectation import JobQueue
 from store.backlog import Backlog
 from store.database import Database
 from store.job import JobStatus
@@ -16,7 +17,7 @@ from tests.store.samples import claimed, finish
 
 def test_an_empty_table_is_no_backlog(db: Database) -> None:
     count = Backlog(db).count()
-    assert (count.jobs, count.oldest_waiting_s, count.uploads) == ({}, 0.0, 0)
+    assert (count.jobs, count.oldest_waiting_s, count.uploads) == ({}, {JobQueue.FAST: 0.0, JobQueue.HEAVY: 0.0}, 0)
 
 
 def test_jobs_are_counted_by_process_and_status(db: Database, jobs: Jobs) -> None:
@@ -26,11 +27,12 @@ def test_jobs_are_counted_by_process_and_status(db: Database, jobs: Jobs) -> Non
     finish(jobs, claimed(jobs, "validate"))
     count = Backlog(db).count()
     assert count.jobs == {
-        ("shells", JobStatus.ACCEPTED): 2,
-        ("shells", JobStatus.RUNNING): 1,
+        ("shells", JobQueue.HEAVY, JobStatus.ACCEPTED): 2,
+        ("shells", JobQueue.HEAVY, JobStatus.RUNNING): 1,
     }, "what has ended is counted elsewhere, and never again"
     assert (count.total(JobStatus.ACCEPTED), count.total(JobStatus.RUNNING)) == (2, 1)
-    assert 0.0 < count.oldest_waiting_s < 60.0
+    assert 0.0 < count.oldest_waiting_s[JobQueue.HEAVY] < 60.0
+    assert count.oldest_waiting_s[JobQueue.FAST] == 0.0
 
 
 def test_uploads_under_way_are_counted(db: Database) -> None:
