@@ -214,7 +214,8 @@ class Settings(BaseSettings):
     disk_floor_bytes: ByteSize = Field(
         ByteSize(GIB // 4),
         ge=0,
-        description="With less free on the disk of the data folder, new work is refused by `storage.low`",
+        description="With less free on the disk of the data folder, the API refuses new work by `storage.low` and a worker takes "
+        "no job",
     )
     audit_days: float = Field(365.0, gt=0, allow_inf_nan=False, description="How long the audit log is kept")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")

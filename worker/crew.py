@@ -8,9 +8,10 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-from core.errors import IntegumentError
+from core.errors import IntegumentError, LimitError
 from core.schema.expectation import JobQueue
 from store.choice import Room
+from store.disk_floor import DiskFloor
 from store.job import Job
 from worker.task import run_job
 from worker.workshop import Workshop
@@ -36,6 +37,8 @@ class Crew:
         self._bell = threading.Event()
         self._changed = threading.Condition()
         self._at_work: Counter[JobQueue] = Counter()
+        self._disk = DiskFloor(settings.data_dir, settings.disk_floor_bytes)
+        self._had_disk = True
         self._hands = ThreadPoolExecutor(self._slots + self._fast_slots, thread_name_prefix="job")
         self._looker = threading.Thread(target=self._loop, name="crew", daemon=True)
 
@@ -85,6 +88,8 @@ class Crew:
         if not free or self._workshop.closing.has_begun:
             return False
         settings = self._workshop.settings
+        if not self._has_disk():
+            return False
         room = Room(
             host=self._workshop.host,
             free=free,
@@ -99,6 +104,20 @@ class Crew:
         with self._changed:
             self._at_work[job.queue] += 1
         self._hands.submit(self._supervise, job)
+        return True
+
+    def _has_disk(self) -> bool:
+        """Said once when it changes: on a full disk every job would fail, and another host may have room."""
+        try:
+            self._disk.require()
+        except LimitError as error:
+            if self._had_disk:
+                logger.warning("no job is taken: %s", error)
+            self._had_disk = False
+            return False
+        if not self._had_disk:
+            logger.warning("there is room on the disk again: jobs are taken")
+        self._had_disk = True
         return True
 
     def _supervise(self, job: Job) -> None:

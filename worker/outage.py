@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Callable
 from typing import TypeVar
@@ -23,12 +24,13 @@ def is_outage(error: IntegumentError) -> bool:
     return error.code in ("database.unavailable", "blobs.unavailable", "storage.full")
 
 
-def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
-    """Do `act`, again and again while the store is away; raises its last error after `patience_s`.
+def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S, left: threading.Event | None = None) -> T:
+    """Do `act`, again and again while the store is away; raises its last error after `patience_s`, or once `left` is set.
 
     `act` must be safe to repeat: writes under a fencing token are."""
     deadline = time.monotonic() + patience_s
     wait_s = FIRST_WAIT_S
+    left = threading.Event() if left is None else left
     while True:
         try:
             return act()
@@ -36,5 +38,6 @@ def sit_out(act: Callable[[], T], patience_s: float = PATIENCE_S) -> T:
             if not is_outage(error) or time.monotonic() + wait_s > deadline:
                 raise
             logger.warning("%s; trying again in %.1f s", error, wait_s)
-        time.sleep(wait_s)
+            if left.wait(wait_s):
+                raise
         wait_s = min(2 * wait_s, LONGEST_WAIT_S)

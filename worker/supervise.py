@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -15,12 +14,14 @@ from sandbox.outcome import Outcome, log_tail
 from sandbox.overrun import find_overrun
 from store.job import Job, JobFailure, JobOutput
 from store.lost_attempt import LastWords
+from worker.aside import work_aside
 from worker.child_result import ChildResult, ListedOutput, read_outputs, read_result, store_outputs
 from worker.job_folder import job_folder
 from worker.last_words import last_words
 from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
 from worker.outage import sit_out
 from worker.progress import Progress
+from worker.scratch_room import room_needed
 from worker.step_keeper import StepKeeper
 from worker.workshop import Workshop
 
@@ -33,7 +34,8 @@ LOADING = {
     "phase": "load the libraries",
     "message": "libraries are being loaded; after an installation or update kernels are compiled, which takes up to a minute",
 }
-RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed"})  # another attempt may fare better
+# another attempt may fare better; a worker whose disk is full claims nothing until there is room
+RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed", "storage.full"})
 
 T = TypeVar("T")
 
@@ -115,8 +117,9 @@ class _Attempt:
 
     def _payload(self, folder: Path) -> dict[str, Any]:
         out, given = folder / "out", folder / "in"
-        for here in (out, given):
-            here.mkdir(mode=0o700)
+        with room_needed():
+            for here in (out, given):
+                here.mkdir(mode=0o700)
         meshes = {}
         for href, mesh in self._job.mesh_inputs.items():
             path = self._keep_beating(partial(self._workshop.blobs.fetch, mesh.sha256, given))
@@ -180,15 +183,7 @@ class _Attempt:
 
     def _keep_beating(self, work: Callable[[], T]) -> T:
         """Do slow work with blobs, again while their store is away, and keep the lease."""
-        with ThreadPoolExecutor(max_workers=1) as helper:
-            future = helper.submit(sit_out, work)
-            while True:
-                try:
-                    return future.result(timeout=WATCH_S)
-                except TimeoutError:
-                    if future.done():  # the work itself raised it
-                        raise
-                    self._lease.beat()
+        return work_aside(work, self._lease.beat, WATCH_S)
 
     def _log(self, error: IntegumentError, folder: Path) -> None:
         """For the operator; what the child printed stays on the server."""

@@ -7,7 +7,7 @@ import logging
 from core.errors import IntegumentError, InternalError
 from sandbox.log_lines import log_context
 from store.job import Job, JobFailure
-from worker.supervise import supervise
+from worker.supervise import RETRIED_CODES, supervise
 from worker.workshop import Workshop
 
 logger = logging.getLogger(__name__)
@@ -25,10 +25,11 @@ def run_job(workshop: Workshop, job: Job) -> None:
 
 
 def _give_up(workshop: Workshop, job: Job, error: BaseException) -> None:
-    """Fail the job in the table; if even that cannot be done, its lease runs out and the reconciler sees to it."""
+    """Fail the job in the table, or queue it again if that may help; if even that cannot be done, its lease runs out and the
+    reconciler sees to it."""
     if not isinstance(error, IntegumentError):
         error = InternalError("worker.raised", f"the worker stopped at an error nobody foresaw: {type(error).__name__}")
     try:
-        workshop.jobs.fail(job.id, job.lease_token, JobFailure.of(error))
+        workshop.jobs.fail(job.id, job.lease_token, JobFailure.of(error), retry=error.code in RETRIED_CODES)
     except BaseException:
         logger.exception("job %s: its failure cannot be written down", job.id)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import time
@@ -47,6 +48,8 @@ def run(payload: Payload, channel: Channel) -> Payload:
         )
         error.outputs = (_output("report", payload["out_dir"] + "/report.json"),)
         raise error
+    if act == "full_disk":
+        raise OSError(errno.ENOSPC, "no room")
     if act == "lie":
         return {"verdict": "simulation_ready", "summary": "", "outputs": inputs["outputs"]} | inputs.get("extra", {})
     if act == "link":

@@ -175,3 +175,12 @@ def test_a_table_that_is_away_for_a_look_costs_nothing(make_scene: Callable[...,
     with scene.workshop.db.session() as session:
         session.execute(text("ALTER TABLE turned RENAME TO turns"))
     scene.await_begun(job)
+
+
+def test_on_a_nearly_full_disk_no_job_is_taken(make_scene: Callable[..., Scene], caplog: pytest.LogCaptureFixture) -> None:
+    scene = make_scene(disk_floor_bytes=2**60)
+    scene.submit()
+    scene.crew.ring()
+    until(lambda: "no job is taken" in caplog.text)
+    time.sleep(0.3)
+    assert scene.begun == []

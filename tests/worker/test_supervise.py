@@ -93,6 +93,19 @@ def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> N
     assert wait_for_end([child], 0.0) == []
 
 
+def test_a_job_that_met_a_full_disk_is_tried_once_more(workshop: Workshop) -> None:
+    job = claim(workshop, "full_disk")
+    supervise(workshop, job)
+    again = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
+    assert (again.status, again.attempt) == (JobStatus.ACCEPTED, 2)
+    last = workshop.jobs.claim(job.id, 2, "me", 30)
+    assert last is not None
+    supervise(workshop, last)
+    failure = workshop.jobs.get(DEFAULT_WORKSPACE, job.id).failure
+    assert failure is not None
+    assert failure.code == "storage.full"
+
+
 def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
     mesh = MeshInput("/v1/meshes/1", "skin", "0" * 64, "model/stl", "skin.stl")
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}, mesh_inputs=[mesh])

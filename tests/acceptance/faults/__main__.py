@@ -12,7 +12,7 @@ from tests.acceptance.faults.small_disks import leave_mounts
 
 OUT = Path(__file__).resolve().parents[3] / "out" / "faults"
 # what the lab has by default, but for attempts: most jobs are hit more than once here
-LONG = {"INTEGUMENT_MAX_ATTEMPTS": "6", "INTEGUMENT_WORKER_CONCURRENCY": "2"}
+LONG = {"INTEGUMENT_MAX_ATTEMPTS": "6", "INTEGUMENT_WORKER_CONCURRENCY": "2", "INTEGUMENT_DISK_FLOOR_BYTES": "16MiB"}
 SHORT = LONG | {"INTEGUMENT_LEASE_S": "6", "INTEGUMENT_RECONCILE_S": "1", "INTEGUMENT_RERING_S": "3"}
 
 

@@ -29,7 +29,7 @@ T = TypeVar("T")
 PAUSE_S = 0.5
 PATIENCE_S = 600.0
 WATCHED = 4  # every fourth job is followed by its events, and fetched, while things break
-TRANSIENT_CODES = frozenset({"storage.full", "internal.unexpected"})  # a person would press the button again
+TRANSIENT_CODES = frozenset({"storage.full", "storage.low", "internal.unexpected"})  # a person would press the button again
 
 
 class Crowd:
