@@ -104,7 +104,7 @@ class Embedded:
     def _take_jobs_back(self) -> None:
         """There is no other worker here, so nobody needs to wait for the leases of the dead one."""
         try:
-            Jobs(self._database).expire_all_leases()
+            Jobs(self._database).expire_all_leases(worker_crashed=True)
         except IntegumentError as error:
             self._announce(f"The jobs of the lost worker go on when their leases end: {error.message}")
 

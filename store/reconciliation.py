@@ -72,12 +72,14 @@ class Reconciliation:
             moment = now or self._db.now(session)
             return self._expire(session, moment, moment)
 
-    def expire_all_leases(self) -> list[Job]:
-        """The same for every running job: at the start of a service that has its database for itself, no worker is alive."""
-        with self._db.session() as session:
-            return self._expire(session, self._db.now(session), None)
+    def expire_all_leases(self, *, worker_crashed: bool = False) -> list[Job]:
+        """The same for every running job, where no worker is alive: in a service that has its database for itself.
 
-    def _expire(self, session: Session, now: datetime, lapsed_at: datetime | None) -> list[Job]:
+        Unless its worker alone crashed, no request is parked: a power cut is no evidence against any."""
+        with self._db.session() as session:
+            return self._expire(session, self._db.now(session), None, may_park=worker_crashed)
+
+    def _expire(self, session: Session, now: datetime, lapsed_at: datetime | None, *, may_park: bool = True) -> list[Job]:
         lapsed = select(JobRow).where(JobRow.status == JobStatus.RUNNING).order_by(JobRow.id)
         if lapsed_at is not None:
             lapsed = lapsed.where(JobRow.lease_until < lapsed_at)
@@ -93,7 +95,7 @@ class Reconciliation:
                 queue_again(session, row, row.attempt + 1, f"worker of attempt {row.attempt} was lost", now)
             else:
                 end_failed(session, row, _lost(row), now)
-                if lapsed_at is not None:  # else the whole service went down, and many things may have done that
+                if may_park:
                     park_if_deadly(session, row, "worker.lost", now)
         return [snapshot(row) for row in rows]
 

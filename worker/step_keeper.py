@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from core.errors import IntegumentError
 from store.checkpoint import Checkpoint
@@ -25,7 +25,15 @@ KEY = re.compile(r"[0-9a-f]{64}\Z")
 PATIENCE_S = 10.0  # with a database or store that is away: a step that is not kept can be made again
 LOOK_S = 0.2
 
-Fetch = Callable[[Callable[[], Path]], Path]
+T = TypeVar("T")
+
+
+class Patiently(Protocol):
+    """Does slow work, again while database or store are away, and keeps the lease meanwhile."""
+
+    def __call__(self, work: Callable[[], T]) -> T:
+        """What the work returns; raises what it raises."""
+        ...
 
 
 class StepKeeper:
@@ -40,10 +48,10 @@ class StepKeeper:
         self._storing = ThreadPoolExecutor(max_workers=1, thread_name_prefix="steps")
         self._closed = False
 
-    def lay_out(self, folder: Path, given: Path, fetch: Fetch) -> dict[str, Any] | None:
+    def lay_out(self, folder: Path, given: Path, patiently: Patiently) -> dict[str, Any] | None:
         """What the child is told: where kept steps are and where new ones go; None if none are to be kept.
 
-        `fetch` does slow work with blobs and keeps the lease. A step whose bytes are gone is made again."""
+        A step whose bytes are gone is made again."""
         settings = self._workshop.settings
         if not settings.checkpoint_bytes:
             return None
@@ -52,9 +60,9 @@ class StepKeeper:
         self._folder = os.open(own, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)  # whatever the child puts in its place later
         kept: dict[str, str] = {}
         room = int(settings.checkpoint_bytes)
-        for step in sit_out(lambda: self._workshop.checkpoints.of(self._job.id)):
+        for step in patiently(partial(self._workshop.checkpoints.of, self._job.id)):
             try:
-                kept[step.key] = str(fetch(partial(self._workshop.blobs.fetch, step.sha256, given)))
+                kept[step.key] = str(patiently(partial(self._workshop.blobs.fetch, step.sha256, given)))
                 room -= step.size
             except IntegumentError as error:
                 logger.warning("job %s: step '%s' cannot be had and is made again: %s", self._job.id, step.stage, error)

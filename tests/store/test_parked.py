@@ -119,6 +119,9 @@ def test_other_ends_park_nothing(jobs: Jobs, db: Database, parked: Parked) -> No
     [failed] = jobs.expire_all_leases()
     assert (failed.id, failed.status) == (whole_service.id, JobStatus.FAILED)
     assert parked.list() == []
+    alone = claim(jobs, jobs.create(DEFAULT_WORKSPACE, "shells", {"why": "worker"}, max_attempts=1), 1)
+    jobs.expire_all_leases(worker_crashed=True)
+    assert [request.job_id for request in parked.list()] == [alone.id]
     assert [len(parked.attempts(DEFAULT_WORKSPACE, job.id)) for job in (refused, handed_back, dismissed, failed)] == [1, 0, 0, 1]
 
 
