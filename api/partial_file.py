@@ -65,9 +65,14 @@ def partial_file(folder: Path, upload_id: str) -> Iterator[PartialFile]:
 
 def sweep_partial_files(folder: Path, known: Callable[[], frozenset[str]]) -> int:
     """Remove the files of uploads that no row tells of; returns how many."""
-    there = list(folder.iterdir()) if folder.is_dir() else []  # before the rows: a file never comes before its row
-    wanted = known() if there else frozenset()
-    unwanted = [path for path in there if path.name not in wanted]
+    unwanted = find_unknown_files(folder, known)
     for path in unwanted:
         path.unlink(missing_ok=True)
     return len(unwanted)
+
+
+def find_unknown_files(folder: Path, known: Callable[[], frozenset[str]]) -> list[Path]:
+    """The files of uploads that no row tells of."""
+    there = list(folder.iterdir()) if folder.is_dir() else []  # before the rows: a file never comes before its row
+    wanted = known() if there else frozenset()
+    return [path for path in there if path.name not in wanted]

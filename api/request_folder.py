@@ -24,12 +24,16 @@ def request_folder(incoming: Path) -> Iterator[Path]:
 def sweep_incoming(incoming: Path, older_than_s: float) -> int:
     """Remove what a killed server left: folders nothing was written to for that long. Returns how many."""
     incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
-    before, swept = time.time() - older_than_s, 0
-    for folder in incoming.iterdir():
-        if _last_write(folder) < before:
-            shutil.rmtree(folder, ignore_errors=True)
-            swept += 1
-    return swept
+    found = find_left_behind(incoming, older_than_s)
+    for folder in found:
+        shutil.rmtree(folder, ignore_errors=True)
+    return len(found)
+
+
+def find_left_behind(incoming: Path, older_than_s: float) -> list[Path]:
+    """Folders of requests nothing was written to for that long."""
+    before = time.time() - older_than_s
+    return [folder for folder in incoming.iterdir() if _last_write(folder) < before] if incoming.is_dir() else []
 
 
 def _last_write(folder: Path) -> float:

@@ -68,6 +68,10 @@ class Blobs(Protocol):
         """All blobs, in no order."""
         ...
 
+    def orphans(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
+        """The blobs that `sweep` would delete now."""
+        ...
+
     def sweep(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """Delete blobs that are not `referenced`, and remains of interrupted writes, if older than that; returns what went.
 

@@ -29,6 +29,7 @@ from store.settings import Settings
 _ONE_AT_A_TIME = threading.Lock()  # Alembic keeps the migration under way in a global
 
 BUSY_TIMEOUT_S = 10
+WAL_BYTES = 64 * 1024**2  # a write-ahead log that grew larger is cut back once it is copied into the file
 MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks have no names
 
 
@@ -107,6 +108,11 @@ class Database:
         with _translated(), self._reader.connect() as connection:
             current = MigrationContext.configure(connection).get_current_revision()
             return current == ScriptDirectory.from_config(_alembic(connection)).get_current_head()
+
+    @property
+    def sqlite_path(self) -> Path:
+        """The file, if it is one."""
+        return Path(str(self._url.database))
 
     def revision(self) -> str:
         """Of the tables; empty if there are none."""
@@ -197,7 +203,13 @@ def _sqlite_engine(url: str, *, foreign_keys: bool = True) -> Engine:
     def _configure(connection: sqlite3.Connection, _entry: ConnectionPoolEntry) -> None:
         cursor = connection.cursor()
         enforced = "foreign_keys=ON" if foreign_keys else "foreign_keys=OFF"
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", enforced):  # FULL: what was accepted survives a power cut
+        for pragma in (
+            "auto_vacuum=INCREMENTAL",  # of a new file; one that is there keeps what it has
+            "journal_mode=WAL",
+            f"journal_size_limit={WAL_BYTES}",
+            "synchronous=FULL",  # what was accepted survives a power cut
+            enforced,
+        ):
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
 

@@ -145,16 +145,26 @@ class LocalBlobs:
         finally:
             os.close(handle)
 
+    def orphans(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
+        """As `Blobs` says."""
+        before = time.time() - older_than_s
+        return [blob for blob in self.all() if blob.sha256 not in referenced and self._is_older(blob, before)]
+
+    def _is_older(self, blob: Blob, before: float) -> bool:
+        try:
+            return self.path(blob.sha256).stat().st_mtime < before
+        except FileNotFoundError:
+            return False
+
     def sweep(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says."""
         before = time.time() - older_than_s
-        swept = []
         with self._locked(fcntl.LOCK_EX):
-            for blob in self.all():
-                path = self.path(blob.sha256)
-                if blob.sha256 not in referenced and path.stat().st_mtime < before:
-                    path.unlink()
-                    swept.append(blob)
+            swept = [
+                blob
+                for blob in self.all()
+                if blob.sha256 not in referenced and self._is_older(blob, before) and self.delete(blob.sha256)
+            ]
         for remains in self._incoming.iterdir():
             with suppress(FileNotFoundError):  # its writer has just finished
                 if remains.stat().st_mtime < before:

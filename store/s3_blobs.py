@@ -153,16 +153,35 @@ class S3Blobs:
         for blob, _changed in self._listed():
             yield blob
 
+    def orphans(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
+        """As `Blobs` says; those touched lately are still among them."""
+        before = datetime.now(UTC) - timedelta(seconds=older_than_s)
+        return [blob for blob, changed in self._listed() if blob.sha256 not in referenced and changed < before]
+
     def sweep(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says; writers wait for a few deletions at a time."""
         before = datetime.now(UTC) - timedelta(seconds=older_than_s)
-        unwanted = [blob for blob, changed in self._listed() if blob.sha256 not in referenced and changed < before]
+        unwanted = self.orphans(referenced, older_than_s)
         swept = []
         for some in _batches(unwanted, SWEEP_BATCH):
             with self._lock.held(alone=True):
                 swept += [blob for blob in some if self._is_old(blob, before) and self.delete(blob.sha256)]
         self._forget_touches(before)
+        self._abort_parts(before)
         return swept
+
+    def _abort_parts(self, before: datetime) -> None:
+        """Uploads in parts whose writer was killed: nobody sees them, yet they are kept, and paid for."""
+        with _translated(""):
+            pages = self._client.get_paginator("list_multipart_uploads").paginate(
+                Bucket=self._place.bucket, Prefix=self._place.prefix
+            )
+            for page in pages:
+                for upload in page.get("Uploads", ()):
+                    if upload["Initiated"] < before:
+                        self._client.abort_multipart_upload(
+                            Bucket=self._place.bucket, Key=upload["Key"], UploadId=upload["UploadId"]
+                        )
 
     def _is_old(self, blob: Blob, before: datetime) -> bool:
         """Asked again under the lock: somebody may have wanted it meanwhile."""

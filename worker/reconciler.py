@@ -9,6 +9,7 @@ import time
 from core.errors import IntegumentError
 from store.job import Job
 from store.leadership import Leadership
+from store.sqlite_file import SqliteFile
 from store.unfit import Unfit
 from store.workers import Workers, WorkerState
 from worker.job_folder import sweep_job_folders
@@ -95,6 +96,13 @@ class Reconciler:
 
     def sweep(self) -> None:
         """Remove what is too old, and blobs nobody refers to."""
+        if not (expired := self._workshop.retention.sweep()).is_nothing:
+            logger.info(
+                "removed %d jobs, %d meshes, and the progress and log lines of %d jobs, all older than their days",
+                expired.jobs,
+                expired.meshes,
+                expired.events_of,
+            )
         if dropped := self._workshop.checkpoints.sweep(self._workshop.settings.checkpoint_days):
             logger.info("forgot %d steps of failed jobs", dropped)
         referenced = self._workshop.references.all()
@@ -104,6 +112,8 @@ class Reconciler:
             logger.info("forgot %d entries of the audit log", aged)
         if forgotten := self._workshop.keys.sweep():
             logger.info("forgot %d idempotency keys", forgotten)
+        if self._workshop.db.is_sqlite and (given_back := SqliteFile(self._workshop.db).give_back()):
+            logger.info("the database file is %d bytes smaller", given_back)
 
     def _loop(self) -> None:
         while True:
