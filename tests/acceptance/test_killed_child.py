@@ -22,7 +22,8 @@ def kill_child(server: Embedded, service: Service, job: str, attempt: int) -> No
 
 def test_killed_child_costs_one_attempt_and_no_other_job(server: Embedded, service: Service, skin: str) -> None:
     worker = server.part("worker")
-    job = service.shells(skin)
+    deadly = {"layers": [{"name": "fat", "depth_mm": 1.25}]}  # a request of its own: it will be parked
+    job = service.shells(skin, **deadly)
     kill_child(server, service, job, attempt=1)
     kill_child(server, service, job, attempt=2)
     ended = service.wait(job)
@@ -33,6 +34,13 @@ def test_killed_child_costs_one_attempt_and_no_other_job(server: Embedded, servi
     problem = service.http.get(f"/v1/jobs/{job}/results")
     assert problem.status_code == 500
     assert problem.json()["code"] == "child.crashed"
+
+    first, second = service.http.get(f"/v1/jobs/{job}/attempts").json()["attempts"]
+    assert (first["attempt"], second["attempt"]) == (1, 2)
+    assert first["signal"] == second["signal"] == "SIGKILL"
+    assert second["worker"].endswith(f":{worker.pid}")
+    again = service.http.post("/v1/processes/shells/execution", json={"inputs": {"skin": {"href": skin}, **deadly}})
+    assert (again.status_code, again.json()["code"]) == (409, "job.parked")
 
     following = service.execute("validate", {"meshes": {"href": service.upload(sphere(100.0, 3), "ball")}})
     assert service.succeed(following)["verdict"] == "simulation_ready"
