@@ -1,7 +1,7 @@
 # syntax=docker/dockerfile:1
 # One image for API, worker and migration; docker-compose.yml says which command each of them runs.
-# Pin the bases by digest where reproducible images matter: --build-arg PYTHON_IMAGE=python@sha256:...
-ARG PYTHON_IMAGE=python:3.11-slim-bookworm
+# The bases have full versions; a digest differs with the registry: --build-arg PYTHON_IMAGE=python@sha256:... pins yours.
+ARG PYTHON_IMAGE=python:3.11.14-slim-bookworm
 ARG UV_IMAGE=ghcr.io/astral-sh/uv:0.13.9
 ARG NODE_IMAGE=node:24-bookworm-slim
 
@@ -26,7 +26,7 @@ WORKDIR /src
 COPY pyproject.toml uv.lock ./
 COPY client/pyproject.toml client/
 RUN --mount=type=cache,target=/uv-cache \
-    uv sync --frozen --no-default-groups --no-install-workspace
+    uv sync --frozen --no-default-groups --extra telemetry --no-install-workspace
 COPY LICENSE README.md ./
 COPY client client
 COPY api api
@@ -37,7 +37,7 @@ COPY store store
 COPY worker worker
 COPY --from=page /src/api/static api/static
 RUN --mount=type=cache,target=/uv-cache \
-    uv sync --frozen --no-default-groups --no-editable
+    uv sync --frozen --no-default-groups --extra telemetry --no-editable
 
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Integument" \

@@ -18,6 +18,14 @@ from tests.project.compose import SECRETS, UnsetVariableError, read_compose
 from tests.project.sources import ROOT
 
 OURS = ("migrate", "api", "worker")
+PROFILES = {
+    None: {"migrate", "api", "worker", "valkey", "postgres"},
+    "s3": {"objects", "objects-bucket"},
+    "observability": {"prometheus", "grafana"},
+}
+ONCE = {"migrate", "objects-bucket"}
+FULL_VERSION = re.compile(r"[a-z0-9./-]+:v?\d+\.\d+(\.\d+)?(-[a-z0-9]+)*")
+TWO_NUMBERS = ("postgres", "chrislusf/seaweedfs")  # these name a full version so
 DOCKERFILE = ROOT / "Dockerfile"
 
 
@@ -28,7 +36,36 @@ def services() -> dict[str, Any]:
 
 
 def test_compose_file_is_valid_and_complete(services: dict[str, Any]) -> None:
-    assert set(services) == {"migrate", "api", "worker", "valkey", "postgres"}
+    by_profile: dict[str | None, set[str]] = {}
+    for name, service in services.items():
+        (profile,) = service.get("profiles", [None])
+        by_profile.setdefault(profile, set()).add(name)
+    assert by_profile == PROFILES
+    for service in services.values():
+        assert set(service.get("depends_on", {})) <= PROFILES[service.get("profiles", [None])[0]] | PROFILES[None]
+
+
+def test_images_have_full_versions(services: dict[str, Any]) -> None:
+    images = {service["image"] for name, service in services.items() if name not in OURS}
+    images |= {line.partition("=")[2] for line in instructions("ARG") if "NODE" not in line}
+    for image in images:
+        match = FULL_VERSION.fullmatch(image)
+        assert match is not None, image
+        assert match[1] is not None or image.startswith(TWO_NUMBERS), image
+
+
+def test_secrets_of_profiles_are_files_without_defaults(services: dict[str, Any]) -> None:
+    secrets = read_compose(SECRETS)["secrets"]
+    assert all(set(secret) == {"environment"} for secret in secrets.values())
+    assert {name for service in services.values() for name in service.get("secrets", [])} == set(secrets)
+
+
+def test_the_object_store_knows_its_options(services: dict[str, Any]) -> None:
+    weed = str(Path(sys.executable).with_name("weed"))
+    known = subprocess.run([weed, "help", "server"], capture_output=True, text=True, timeout=60)
+    options = {option.partition("=")[0] for option in services["objects"]["command"][1:]}
+    told = known.stdout + known.stderr
+    assert [option for option in options if not re.search(rf"^\s*{re.escape(option)}\b", told, re.MULTILINE)] == []
 
 
 @pytest.mark.parametrize("missing", SECRETS)
@@ -37,7 +74,7 @@ def test_no_secret_has_a_default(missing: str) -> None:
         read_compose({name: value for name, value in SECRETS.items() if name != missing})
 
 
-@pytest.mark.parametrize("name", ["migrate", "api", "worker", "valkey", "postgres"])
+@pytest.mark.parametrize("name", sorted(name for names in PROFILES.values() for name in names))
 def test_every_service_is_hardened(services: dict[str, Any], name: str) -> None:
     service = services[name]
     assert re.fullmatch(r"[1-9]\d*:[1-9]\d*", service["user"]), "a number, so that it holds in any image, and not root"
@@ -45,16 +82,17 @@ def test_every_service_is_hardened(services: dict[str, Any], name: str) -> None:
     assert service["cap_drop"] == ["ALL"]
     assert service["security_opt"] == ["no-new-privileges:true"]
     assert not {"privileged", "cap_add", "network_mode", "pid", "devices"} & set(service)
-    assert "healthcheck" in service or name == "migrate"
+    assert "healthcheck" in service or name in ONCE
     assert "mem_limit" in service
     assert "pids_limit" in service
 
 
 def test_only_the_api_is_reachable_and_only_from_this_machine(services: dict[str, Any]) -> None:
     assert {name: service["ports"] for name, service in services.items() if "ports" in service} == {
-        "api": ["127.0.0.1:8000:8000"]
+        "api": ["127.0.0.1:8000:8000"],
+        "grafana": ["127.0.0.1:3000:3000"],
     }
-    assert {name for name, service in services.items() if "outside" in service["networks"]} == {"api"}
+    assert {name for name, service in services.items() if "outside" in service["networks"]} == {"api", "grafana"}
     assert read_compose(SECRETS)["networks"]["inside"] == {"internal": True}
 
 
@@ -101,7 +139,13 @@ def test_nothing_starts_before_what_it_needs(services: dict[str, Any]) -> None:
 
 def test_what_must_survive_is_on_named_volumes(services: dict[str, Any]) -> None:
     mounted = {volume.partition(":")[0] for service in services.values() for volume in service.get("volumes", [])}
-    assert mounted == set(read_compose(SECRETS)["volumes"]) == {"data", "postgres", "valkey"}
+    files = {source for source in mounted if source.startswith("./")}
+    assert all((ROOT / source).is_dir() for source in files)
+    assert (
+        mounted - files
+        == set(read_compose(SECRETS)["volumes"])
+        == {"data", "postgres", "valkey", "objects", "prometheus", "grafana"}
+    )
     assert services["api"]["volumes"] == services["worker"]["volumes"] == ["data:/data"]
 
 
