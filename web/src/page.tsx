@@ -1,5 +1,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import icon from "./icon.svg";
+import { ComparePage } from "./pages/compare";
 import { JobPage } from "./pages/job";
 import { JobsPage } from "./pages/jobs";
 import { MeshesPage } from "./pages/meshes";
@@ -23,6 +24,8 @@ function Body({ place }: { place: Place }) {
       return <NewJobPage query={place.query} />;
     case "jobs":
       return place.path[1] ? <JobPage id={place.path[1]} /> : <JobsPage />;
+    case "compare":
+      return <ComparePage a={place.query.get("a") ?? ""} b={place.query.get("b") ?? ""} />;
     default:
       return (
         <div class="card empty">

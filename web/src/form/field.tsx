@@ -192,7 +192,7 @@ function Control({
           id={id}
           value={String(value ?? "")}
           placeholder={String(fallback ?? "")}
-          onChange={(event) => onValue(event.currentTarget.value || undefined)}
+          onInput={(event) => onValue(event.currentTarget.value || undefined)}
         />
       );
     case "group":
@@ -202,7 +202,7 @@ function Control({
         <textarea
           id={id}
           rows={3}
-          value={value === undefined ? "" : JSON.stringify(value)}
+          defaultValue={value === undefined ? "" : JSON.stringify(value)}
           placeholder={JSON.stringify(fallback)}
           onChange={(event) => {
             const text = event.currentTarget.value.trim();

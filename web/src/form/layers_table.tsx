@@ -47,14 +47,14 @@ export function LayersTable(props: {
             {layers.map((layer, at) => (
               <tr key={at}>
                 <td>
-                  <span class="row">
+                  <span class="row nowrap">
                     <Swatch colour={colours[layer.name]!} />
                     <input
                       class="layer-name"
                       aria-label={`Name of layer ${at + 1}`}
                       value={layer.name}
                       size={13}
-                      onChange={(event) => change(at, { name: event.currentTarget.value.trim() })}
+                      onInput={(event) => change(at, { name: event.currentTarget.value })}
                     />
                   </span>
                 </td>

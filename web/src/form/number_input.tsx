@@ -1,4 +1,6 @@
-/** A number that may be left out; what cannot be read as a number counts as left out. */
+import { useEffect, useState } from "preact/hooks";
+
+/** A number that may be left out; what cannot be read as a number counts as left out. What is typed stays as typed. */
 export function NumberInput(props: {
   id?: string;
   label?: string;
@@ -9,20 +11,34 @@ export function NumberInput(props: {
   whole?: boolean;
   onValue: (value: number | undefined) => void;
 }) {
+  const { value } = props;
+  const [text, setText] = useState(textOf(value));
+  useEffect(() => {
+    setText((typed) => (readNumber(typed) === value ? typed : textOf(value)));
+  }, [value]);
   return (
     <input
       id={props.id}
       type="number"
       aria-label={props.label}
-      value={props.value ?? ""}
+      value={text}
       placeholder={props.placeholder}
       min={props.min}
       max={props.max}
       step={props.whole ? 1 : "any"}
-      onChange={(event) => {
-        const read = event.currentTarget.valueAsNumber;
-        props.onValue(Number.isNaN(read) ? undefined : read);
+      onInput={(event) => {
+        setText(event.currentTarget.value);
+        props.onValue(readNumber(event.currentTarget.value));
       }}
     />
   );
+}
+
+function textOf(value: number | undefined | null): string {
+  return value === undefined || value === null ? "" : String(value);
+}
+
+function readNumber(text: string): number | undefined {
+  const read = Number.parseFloat(text);
+  return Number.isNaN(read) ? undefined : read;
 }

@@ -30,7 +30,7 @@ export function RegionsInput(props: {
               aria-label={`Name of ${what} ${at + 1}`}
               value={region.name}
               size={16}
-              onChange={(event) => change(at, { name: event.currentTarget.value.trim() })}
+              onInput={(event) => change(at, { name: event.currentTarget.value })}
             />
             <button
               type="button"
@@ -43,6 +43,7 @@ export function RegionsInput(props: {
           </div>
           {(["min", "max"] as const).map((end) => (
             <div key={end} class="vector">
+              <span class="muted small">{end}</span>
               {AXES.map((axis, k) => (
                 <NumberInput
                   key={axis}

@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { execute, listJobs } from "../api/jobs";
 import { listMeshes } from "../api/meshes";
 import { askJson, ServerError } from "../api/server";
@@ -36,21 +36,27 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   const inputs = process.value?.inputs;
   const wantedMesh = query.get("mesh");
 
+  // a field may change in the very click that starts the job, before anything was drawn again
+  const newest = useRef(values);
+  const update = (all: Record<string, unknown>) => {
+    newest.current = all;
+    setValues(all);
+  };
+  const set = (name: string, value: unknown) => update({ ...newest.current, [name]: value });
   // the mesh people came with goes into the first input that takes one
   useEffect(() => {
     if (!inputs || !wantedMesh) return;
     const href = `/v1/meshes/${wantedMesh}`;
     const first = Object.entries(inputs).find(([, one]) => ["reference", "references"].includes(kindOf(one.schema)));
     if (first && values[first[0]] === undefined) {
-      setValues({ ...values, [first[0]]: kindOf(first[1].schema) === "references" ? [{ href }] : { href } });
+      set(first[0], kindOf(first[1].schema) === "references" ? [{ href }] : { href });
     }
   }, [inputs, wantedMesh]);
 
-  const set = (name: string, value: unknown) => setValues({ ...values, [name]: value });
   const choose = (id: string, given: Record<string, unknown>, title: string) => {
     const kept = Object.fromEntries(Object.entries(values).filter(([, value]) => hrefOf(value)));
     setProcessId(id);
-    setValues({ ...kept, ...given });
+    update({ ...kept, ...given });
     setPreset(title);
     setError(null);
   };
@@ -110,7 +116,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     setSending(true);
     setError(null);
     try {
-      goTo(`#/jobs/${(await execute(processId, withoutEmpty(values))).jobID}`);
+      goTo(`#/jobs/${(await execute(processId, withoutEmpty(newest.current))).jobID}`);
     } catch (reason) {
       setError(reason);
       setSending(false);
@@ -175,7 +181,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
                   </option>
                 ))}
               </select>
-              <p class="muted small">{process.value?.description}</p>
+              <p class="muted small">{process.value?.description.replaceAll("`", "")}</p>
             </div>
           </section>
           {catalogue.error || process.error ? (

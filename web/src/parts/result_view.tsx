@@ -42,13 +42,19 @@ export function ResultView({ job }: { job: Job }) {
     (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
   );
   const colours = tissueColours(names);
-  const first = choice ? names.map((name) => fields[name]).find(Boolean) : undefined;
+  const measured = choice
+    ? names.flatMap((name) => (fields[name] && looks[name]?.visible !== false ? [fields[name]] : []))
+    : [];
+  const usual: [number, number] = [
+    Math.min(...measured.map((field) => field.low)),
+    Math.max(...measured.map((field) => field.high)),
+  ];
+  const [low, high] = range ?? usual;
   const surfaces = useMemo<Surface[]>(
     () =>
       names.map((name) => {
         const mesh = triangles.meshes[name]!;
         const field = choice && fields[name];
-        const [low, high] = range ?? [first?.low ?? 0, first?.high ?? 1];
         return {
           name,
           mesh: mesh.shown,
@@ -60,7 +66,7 @@ export function ResultView({ job }: { job: Job }) {
           field: field ? { ...field, low, high } : null,
         };
       }),
-    [triangles.meshes, looks, fields, choice, range],
+    [triangles.meshes, looks, fields, choice, low, high],
   );
   useEffect(() => {
     setFields({});
@@ -110,6 +116,7 @@ export function ResultView({ job }: { job: Job }) {
           {beside && <Beside surfaces={surfaces} clip={clip} markers={markers} leader={viewer} />}
         </div>
         {job.summary && <p>{job.summary}</p>}
+        {report.value && <Numbers report={report.value} />}
       </div>
       <div class="stack">
         {bounds && (
@@ -119,7 +126,7 @@ export function ResultView({ job }: { job: Job }) {
             <FieldControl
               names={names}
               choice={choice}
-              field={first ? { ...first, ...(range ? { low: range[0], high: range[1] } : {}) } : null}
+              field={measured[0] ? { ...measured[0], low, high } : null}
               failure={fieldError}
               onChoice={setChoice}
               onRange={(low, high) => setRange([low, high])}
@@ -134,13 +141,10 @@ export function ResultView({ job }: { job: Job }) {
         )}
         <Downloads job={job} results={results.value} hasReport={report.value !== null} />
         {report.value && (
-          <>
-            <section class="card stack" aria-label="Findings">
-              <h2>Findings</h2>
-              <Findings findings={report.value.findings} onPlace={fly} />
-            </section>
-            <Numbers report={report.value} />
-          </>
+          <section class="card stack" aria-label="Findings">
+            <h2>Findings</h2>
+            <Findings findings={report.value.findings} onPlace={fly} />
+          </section>
         )}
       </div>
     </div>

@@ -24,7 +24,7 @@ interface Handle {
 }
 
 const LEAST_MM = 0.5;
-const HANDLE_SHARE = 0.012; // of the distance to the camera
+const HANDLE_SHARE = 0.007; // of the distance to the camera
 
 export class RegionBoxes {
   readonly group = new Group();
