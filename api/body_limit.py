@@ -11,10 +11,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MAX_BODY_BYTES = 1024 * 1024
 DRAIN_S = 5.0
+BODY_S = 60.0  # for the whole of it, however it trickles
 
 
 class BodyLimit:
-    """ASGI middleware: reading a body beyond the limit raises HTTPException 413 where it is read.
+    """ASGI middleware: reading a body beyond the limit raises HTTPException 413, one slower than BODY_S 408.
 
     What still comes is read and forgotten for a while: a client that is still sending would not see the answer."""
 
@@ -28,17 +29,23 @@ class BodyLimit:
             await self.app(scope, receive, send)
             return
         declared = Headers(scope=scope).get("content-length", "0")
-        size = 0
+        size, more, latest = 0, True, anyio.current_time() + BODY_S
 
         async def limited() -> Message:
-            nonlocal size
+            nonlocal size, more
+            if not more:  # all that can still come is the end of the connection
+                return await receive()
             if not declared.isdecimal() or int(declared[:18]) > MAX_BODY_BYTES:
                 await drain(receive)
                 raise HTTPException(413)
-            message = await receive()
+            with anyio.move_on_after(latest - anyio.current_time()) as patience:
+                message = await receive()
+            if patience.cancelled_caught:
+                raise HTTPException(408)
+            more = bool(message.get("more_body", False))
             size += len(message.get("body", b""))
             if size > MAX_BODY_BYTES:
-                if message.get("more_body", False):
+                if more:
                     await drain(receive)
                 raise HTTPException(413)
             return message

@@ -25,6 +25,7 @@ _CODE_BY_FRAMEWORK_STATUS = {
     HTTPStatus.NOT_FOUND: "route.not_found",
     HTTPStatus.METHOD_NOT_ALLOWED: "method.not_allowed",
     HTTPStatus.REQUEST_ENTITY_TOO_LARGE: "request.too_large",
+    HTTPStatus.REQUEST_TIMEOUT: "request.body_too_slow",
 }
 
 
@@ -116,6 +117,7 @@ async def _on_http_exception(request: Request, error: Exception) -> Response:
         "route.not_found": f"There is nothing at {request.url.path}",
         "method.not_allowed": f"{request.method} is not offered at {request.url.path}",
         "request.too_large": "The body is larger than this route takes",
+        "request.body_too_slow": "The body did not come to its end in time; send it in one go",
     }.get(code, str(error.detail))
     return problem_response(
         describe_problem(request, code=code, status=error.status_code, detail=detail), dict(error.headers or {})

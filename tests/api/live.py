@@ -16,6 +16,7 @@ import httpx
 import uvicorn
 
 from api.app import create_app
+from api.guarded_connection import GuardedConnection
 from api.services import Services
 from store.job import Job, JobFailure, JobOutput
 from store.settings import Settings
@@ -129,7 +130,8 @@ def serving(settings: Settings) -> Iterator[Live]:
     listener = socket.socket()
     listener.bind(("127.0.0.1", 0))
     url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-    server = uvicorn.Server(uvicorn.Config(app, log_level="warning", lifespan="on", timeout_graceful_shutdown=5))
+    config = uvicorn.Config(app, http=GuardedConnection, log_level="warning", lifespan="on", timeout_graceful_shutdown=5)
+    server = uvicorn.Server(config)
     started = threading.Event()
     thread = threading.Thread(target=_run, args=(server, listener, started))
     thread.start()
