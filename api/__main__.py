@@ -46,6 +46,7 @@ def main() -> int:
     app = create_app(settings)
     config = uvicorn.Config(
         app,
+        http=GuardedConnection,
         host=settings.host,
         port=settings.port,
         log_config=None,  # its lines are like ours; requests are told of by api.request_log
