@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from api.app import create_app
 from api.binding import require_allowed_binding
+from api.guarded_connection import GuardedConnection
 from core.errors import IntegumentError
 from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
