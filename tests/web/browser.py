@@ -52,7 +52,7 @@ class Visit:
     def drawn(self) -> None:
         """Returns when the 3D view shows something."""
         self.page.wait_for_selector('.viewer[data-ready="true"]', timeout=PATIENCE_MS)
-        self.page.wait_for_timeout(300)  # a frame of the software renderer
+        self.page.wait_for_timeout(800)  # a few frames of the software renderer
 
     def barriers(self) -> list[str]:
         """What axe finds serious or critical."""

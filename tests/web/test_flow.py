@@ -65,6 +65,7 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         # look inside
         seen.drawn()
         page.get_by_role("button", name="Cut across z").click()
+        seen.drawn()
         seen.picture("6-cut")
         page.get_by_label("Colours", exact=True).select_option("Distance to skin")
         page.get_by_label("Show skin").uncheck()
@@ -75,9 +76,12 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         expect(page.locator(".readout")).to_contain_text("Distance to skin")
         seen.picture("7-thickness")
         page.get_by_role("button", name="Place 1", exact=False).first.click()
+        seen.drawn()
         seen.picture("8-finding")
         page.get_by_label("Two surfaces side by side").check()
         expect(page.locator(".viewer canvas")).to_have_count(2)
+        seen.drawn()
+        page.get_by_role("button", name="Fit").last.scroll_into_view_if_needed()
         seen.picture("9-side-by-side")
         assert seen.barriers() == []
 

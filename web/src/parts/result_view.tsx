@@ -92,6 +92,7 @@ export function ResultView({ job }: { job: Job }) {
 
   const fly = (point: Point, finding: Finding) => {
     setMarkers(finding.places.map((place) => ({ point: place.point_mm, severity: finding.severity })));
+    if (clip && (clip.keep === "below" ? point[clip.axis] > clip.at : point[clip.axis] < clip.at)) setClip(null);
     viewer?.flyTo(point);
     document.querySelector(".viewer")?.scrollIntoView({ block: "nearest" });
   };

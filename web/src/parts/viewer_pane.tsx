@@ -60,7 +60,6 @@ export function ViewerPane(props: ViewerPaneProps) {
     addEventListener("integument-theme", colour);
     dark.addEventListener("change", colour);
     setViewer(made);
-    events.current.onViewer?.(made);
     return () => {
       removeEventListener("integument-theme", colour);
       dark.removeEventListener("change", colour);
@@ -72,6 +71,10 @@ export function ViewerPane(props: ViewerPaneProps) {
   useEffect(() => viewer?.setClip(clip), [viewer, clip]);
   useEffect(() => viewer?.setMarkers(markers), [viewer, markers]);
   useEffect(() => viewer?.setBoxes(boxes), [viewer, boxes]);
+  // only now: whoever takes the viewer over finds the surfaces in place
+  useEffect(() => {
+    if (viewer) events.current.onViewer?.(viewer);
+  }, [viewer]);
 
   const shoot = async () => {
     const picture = await viewer?.screenshot();

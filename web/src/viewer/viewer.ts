@@ -24,6 +24,8 @@ import type { Axis, Clip, Marker, Point, Probe, RegionBox, Surface } from "./sur
 
 const MARKER_COLOURS = { error: "#d0342c", warning: "#d99400", info: "#2d7dd2" };
 
+const MARKER_SHARE = 0.005; // of the distance to the camera
+
 export interface ViewerEvents {
   onProbe?: (probe: Probe | null) => void;
   onBox?: (number: number, box: RegionBox) => void;
@@ -36,6 +38,7 @@ export class Viewer {
   private readonly plane = new Plane(new Vector3(-1, 0, 0), 0);
   private readonly lamp = new DirectionalLight("#ffffff", 2.2);
   private readonly markers = new Group();
+  private readonly ball = new SphereGeometry(1, 16, 12);
   private readonly boxes = new RegionBoxes();
   private readonly listeners = new Set<() => void>();
   private readonly sizes: ResizeObserver;
@@ -109,12 +112,15 @@ export class Viewer {
     this.draw();
   }
 
+  /** Places, as large on the screen from near as from far. */
   setMarkers(markers: readonly Marker[]): void {
+    for (const old of this.markers.children) ((old as Mesh).material as MeshBasicMaterial).dispose();
     this.markers.clear();
     for (const { point, severity } of markers) {
+      const color = MARKER_COLOURS[severity];
       const ball = new Mesh(
-        new SphereGeometry(0.006 * this.radius, 12, 8),
-        new MeshBasicMaterial({ color: MARKER_COLOURS[severity], depthTest: false, transparent: true, opacity: 0.85 }),
+        this.ball,
+        new MeshBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.85 }),
       );
       ball.position.set(...point);
       ball.renderOrder = 950;
@@ -158,7 +164,7 @@ export class Viewer {
     const direction = new Vector3().subVectors(target, this.centre);
     if (direction.lengthSq() < 1e-9) direction.subVectors(this.camera.position, this.controls.target);
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction.normalize(), 0.35 * this.radius);
+    this.camera.position.copy(target).addScaledVector(direction.normalize(), 0.25 * this.radius);
     this.controls.update();
     this.draw();
   }
@@ -244,6 +250,9 @@ export class Viewer {
   private render(): void {
     this.frame = 0;
     this.boxes.scaleTo(this.camera);
+    for (const ball of this.markers.children) {
+      ball.scale.setScalar(MARKER_SHARE * ball.position.distanceTo(this.camera.position));
+    }
     this.renderer.render(this.scene, this.camera);
     if (this.pointer && this.events.onProbe) {
       const { x, y } = this.placeOf(this.pointer);
