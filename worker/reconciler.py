@@ -39,6 +39,8 @@ class Reconciler:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._loop, name="reconciler", daemon=True)
         self._tidied_at = self._swept_at = -SWEEP_S
+        self._heard_at = time.monotonic()  # when the database last answered
+        self._patient_until = 0.0
 
     def start(self) -> None:
         """Begin with a look at once."""
@@ -61,6 +63,7 @@ class Reconciler:
             self.tidy()
             self._tidied_at = time.monotonic()
         leads = self._leadership.campaign()
+        self._note_outage()
         if leads != self._leads:
             logger.info("%s %s the reconciler", self._workshop.name, "is now" if leads else "is no longer")
         self._leads = leads
@@ -72,6 +75,16 @@ class Reconciler:
             self.sweep()
             self._swept_at = time.monotonic()
 
+    def _note_outage(self) -> None:
+        """A lease that lapsed while nobody could renew it says nothing about its holder: after a time without the database,
+        whoever is alive gets the time of one lease to say so."""
+        now = time.monotonic()
+        lease_s = self._workshop.settings.lease_s
+        if now - self._heard_at > lease_s / 2:
+            logger.warning("the database was away for %.0f s: no lease is ended for %g s", now - self._heard_at, lease_s)
+            self._patient_until = now + lease_s
+        self._heard_at = now
+
     def tidy(self) -> None:
         """Remove the folders of attempts nobody works on, of this host."""
         for folder in sweep_job_folders(self._workshop.settings.scratch_dir, self._workshop.jobs):
@@ -79,7 +92,7 @@ class Reconciler:
 
     def reconcile(self) -> bool:
         """Lost leases first, then whoever waits unheard; False if the broker does not answer."""
-        for job in self._workshop.jobs.expire_leases():
+        for job in self._workshop.jobs.expire_leases() if time.monotonic() >= self._patient_until else ():
             logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
         for job in self._fail_unfit():
             logger.warning("job %s: no worker host can hold it", job.id)

@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,9 @@ from store.job import JobStatus
 from store.records import LeaderRow
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
-from tests.worker.conftest import LIMIT_S, Service
+from tests.postgres import running_postgres
+from tests.valkey import ValkeyServer
+from tests.worker.conftest import LIMIT_S, Service, make_settings
 from worker.liveness import Liveness
 from worker.reconciler import OFFICE, Reconciler
 from worker.workshop import Workshop
@@ -93,3 +96,29 @@ def test_a_database_that_is_away_is_waited_for(workshop: Workshop, monkeypatch: 
     with pytest.raises(InternalError):
         reconciler.look()
     assert Liveness(workshop.settings).is_fresh(), "the worker itself lives"
+
+
+def test_after_an_outage_of_the_database_the_living_keep_their_jobs(tmp_path: Path, valkey: ValkeyServer) -> None:
+    with running_postgres() as server:
+        settings = make_settings(
+            tmp_path, valkey, database_url=server.new_database(), lease_s=3.0, heartbeat_s=1.0, reconcile_s=0.3
+        )
+        workshop = Workshop.open(settings)
+        workshop.db.migrate()
+        alive, dead = (workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}) for _ in range(2))
+        tokens = {job.id: mine.lease_token for job in (alive, dead) if (mine := workshop.jobs.claim(job.id, 1, "me", 3.0))}
+        reconciler = Reconciler(workshop, Liveness(settings))
+        reconciler.start()
+        workshop.jobs.renew(alive.id, tokens[alive.id], 3.0)
+        server.signal(signal.SIGSTOP)
+        time.sleep(4.0)
+        server.signal(signal.SIGCONT)
+        time.sleep(1.0)  # the reconciler looks before anybody renews
+        deadline = time.monotonic() + LIMIT_S
+        while workshop.jobs.get(DEFAULT_WORKSPACE, dead.id).attempt == 1:
+            assert workshop.jobs.renew(alive.id, tokens[alive.id], 3.0).kept
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        assert workshop.jobs.get(DEFAULT_WORKSPACE, alive.id).attempt == 1
+        reconciler.stop()
+        workshop.close()

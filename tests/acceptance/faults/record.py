@@ -6,7 +6,6 @@ import json
 import statistics
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +25,7 @@ def describe_run(
         "faults": dict(sorted(done.items())),
         "faults that found nothing to hit": missed,
         "answers after all retries": dict(refusals.most_common()),
-        **asdict(census),
+        **vars(census),
     }
 
 
