@@ -71,6 +71,7 @@ def run(payload: Payload, channel: Channel) -> Payload:
 def _steps(payload: Payload, channel: Channel) -> Payload:
     """Three steps; ends or stops behind the first one of an attempt that found none, as inputs["end"] says."""
     inputs, asked = payload["inputs"], payload["checkpoints"]
+    time.sleep(inputs.get("begin_after", 0))
     kept = {key: Path(path) for key, path in asked["kept"].items()}
     steps = KeptSteps(
         inputs.get("generation", "one"),

@@ -68,7 +68,7 @@ def report(workshop: Workshop, job: Job) -> bytes:
 
 
 def wait_for(condition: Callable[[], object], log: Callable[[], str] = str) -> None:
-    deadline = time.monotonic() + LIMIT_S
+    deadline = time.monotonic() + 3 * LIMIT_S
     while not condition():
         assert time.monotonic() < deadline, log()
         time.sleep(0.02)
@@ -174,7 +174,7 @@ def test_the_kill_of_a_worker_costs_one_step(service: Service) -> None:
     [dead] = [worker for worker in service.workers if worker.pid == pid]
     dead.wait()
     service.workers.remove(dead)
-    done = service.wait(job)
+    done = service.wait(job, limit_s=3 * LIMIT_S)
     assert (done.status, done.attempt) == (JobStatus.SUCCESSFUL, 2)
     assert TAKEN in lines(service, job)
     [lost] = Parked(service.db).attempts(DEFAULT_WORKSPACE, job.id)
