@@ -18,6 +18,7 @@ from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
 from store.redaction import Redaction
 from store.settings import Settings
+from store.telemetry import start_telemetry, stop_telemetry
 
 GRACE_S = 5  # for answers under way; streams and long polls end at once
 
@@ -41,6 +42,7 @@ def main() -> int:
         configure_logging(settings.log_format, Redaction.of(settings))
         require_allowed_binding(settings)
         survey_confinement(required=settings.require_confinement)
+        start_telemetry("api")
     except (ValidationError, IntegumentError) as error:
         print(f"python -m api: {error}", file=sys.stderr)
         return 2
@@ -61,7 +63,10 @@ def main() -> int:
     )
     for number in (signal.SIGINT, signal.SIGTERM):  # uvicorn raises the signal again once it has stopped: that is no failure
         signal.signal(number, lambda _number, _frame: sys.exit(0))
-    DrainingServer(config, app.state.services.drain.begin).run()
+    try:
+        DrainingServer(config, app.state.services.drain.begin).run()
+    finally:
+        stop_telemetry()
     return 0
 
 

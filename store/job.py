@@ -124,4 +124,5 @@ class Job:
     queue: JobQueue
     expected_memory_bytes: int
     expected_cpu_s: float | None
+    traceparent: str | None = None  # of the request that accepted it
     expires_at: datetime | None = None

@@ -52,8 +52,11 @@ def count_end(session: Session, row: JobRow, now: datetime) -> None:
         tally.observe(JOB_RUN_S, row.process, value=max((now - row.started_at).total_seconds(), 0.0))
         if (faces := _faces(session, row)) is not None:
             tally.observe(JOB_FACES, row.process, value=faces)
-    for stage, seconds in row.timings_s.items():
-        tally.observe(STAGE_S, row.process, stage_kind(stage), value=float(seconds))
+    seconds: dict[str, float] = {}
+    for stage, took_s in row.timings_s.items():
+        seconds[stage_kind(stage)] = seconds.get(stage_kind(stage), 0.0) + float(took_s)
+    for kind, took_s in seconds.items():
+        tally.observe(STAGE_S, row.process, kind, value=took_s)
     if row.peak_memory_bytes:
         tally.observe(JOB_PEAK_BYTES, row.process, value=row.peak_memory_bytes)
     note(session, tally)

@@ -25,6 +25,7 @@ from store.quotas import Quotas
 from store.reconciliation import Reconciliation
 from store.records import JobInputRow, JobRow
 from store.retention_policy import RetentionPolicies
+from store.telemetry import current_traceparent
 from store.transition import announce, end_dismissed, no_such_job, owned, queue_again, snapshot
 from store.workspace import WorkspaceId
 
@@ -87,6 +88,7 @@ class Jobs(Admission, Claims, Reconciliation):
                 output_bytes=0,
                 outputs=[],  # said, or they are looked for
                 subscriber=None if subscriber is None else subscriber.describe(),
+                traceparent=current_traceparent(),
                 queue=expectation.queue,
                 expected_memory_bytes=expectation.memory_bytes,
                 expected_cpu_s=expectation.cpu_s,

@@ -178,4 +178,5 @@ def snapshot(row: JobRow) -> Job:
         queue=JobQueue(row.queue),
         expected_memory_bytes=row.expected_memory_bytes,
         expected_cpu_s=row.expected_cpu_s,
+        traceparent=row.traceparent,
     )

@@ -10,6 +10,7 @@ from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
 from store.redaction import Redaction
 from store.settings import Settings
+from store.telemetry import start_telemetry, stop_telemetry
 from worker.liveness import Liveness
 
 
@@ -24,12 +25,16 @@ def main() -> int:
     configure_logging(settings.log_format, Redaction.of(settings))
     try:
         survey_confinement(required=settings.require_confinement)
+        start_telemetry("worker")
     except IntegumentError as error:
         print(f"python -m worker: {error}", file=sys.stderr)
         return 2
     from worker.service import run_worker
 
-    return run_worker(settings)
+    try:
+        return run_worker(settings)
+    finally:
+        stop_telemetry()
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +35,9 @@ NO_NEWS = News()
 class Progress:
     """Hears the child's messages, which may be anything at all, and keeps what can be shown."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_phase: Callable[[str], None] = lambda _phase: None) -> None:
+        """`on_phase` hears of each phase as it begins."""
+        self._on_phase = on_phase
         self._progress: float | None = None
         self._message: str | None = None
         self._phase = FIRST_PHASE
@@ -64,6 +66,7 @@ class Progress:
             return
         self._stop_clock()
         self._phase = phase
+        self._on_phase(phase)
 
     def news(self) -> News:
         """What was heard since `told`."""

@@ -65,6 +65,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         queues=heard_queues(settings),
         hostname=f"integument@{workshop.name}",
         loglevel="INFO",
+        quiet=True,  # its banner is no line of a log
         without_gossip=True,
         without_mingle=True,
         without_heartbeat=True,

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from core.errors import IntegumentError
+from sandbox.log_cap import cap_log
 from sandbox.outcome import Outcome, log_tail
 from sandbox.overrun import find_overrun
 from store.job import Job, JobFailure, JobOutput
@@ -22,6 +23,7 @@ from worker.lease import DismissedError, Lease, LeaseLostError, ToldToStopError
 from worker.outage import sit_out
 from worker.progress import Progress
 from worker.scratch_room import room_needed
+from worker.stage_log import StageLog
 from worker.step_keeper import StepKeeper
 from worker.workshop import Workshop
 
@@ -42,10 +44,12 @@ T = TypeVar("T")
 
 def supervise(workshop: Workshop, job: Job) -> None:
     """Bring a claimed job to an end, or give it back. What happens to the child never raises; a broken disk or database may."""
-    progress = Progress()
+    stages = StageLog()
+    progress = Progress(stages.follow)
     steps = StepKeeper(workshop, job)
     attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress), steps)
-    with job_folder(workshop.settings.scratch_dir, job) as folder, closing(steps):
+    with job_folder(workshop.settings.scratch_dir, job) as folder, closing(steps), stages:
+        stages.follow(progress.phase)
         try:
             attempt.run(folder)
         except LeaseLostError:
@@ -101,6 +105,7 @@ class _Attempt:
                     self._progress.hear(message)
                     self._steps.hear(message)
                 self._lease.beat()
+                cap_log(folder)
                 if overrun is None and (overrun := find_overrun(child)) is not None:
                     child.kill()
         return outcome if overrun is None else Outcome(None, overrun, (), outcome.exit_code, outcome.peak_bytes)
@@ -151,7 +156,8 @@ class _Attempt:
                 peak_memory_bytes=self._peak_bytes,
             )
         )
-        logger.info("job %s: %s", self._job.id, result.verdict if kept else "finished, but nobody wants it any more")
+        said = result.verdict if kept else "finished, but nobody wants it any more"
+        logger.info("job %s: %s", self._job.id, said, extra={"event": "job_ended"})
 
     def _fail(self, error: IntegumentError, left: tuple[dict[str, Any], ...], folder: Path) -> None:
         """Write the failure down, with the report the child may have left; queue the job again if that may help."""
@@ -188,8 +194,10 @@ class _Attempt:
     def _log(self, error: IntegumentError, folder: Path) -> None:
         """For the operator; what the child printed stays on the server."""
         if error.fault == "internal":
-            logger.error("job %s attempt %d: %s", self._job.id, self._job.attempt, error)
+            extra = {"event": "job_failed", "fields": {"code": error.code}}
+            logger.error("job %s attempt %d: %s", self._job.id, self._job.attempt, error, extra=extra)
             if tail := log_tail(folder).decode(errors="replace"):
                 logger.error("job %s: the end of its child's log:\n%s", self._job.id, tail)
         else:
-            logger.info("job %s attempt %d: %s: %s", self._job.id, self._job.attempt, error.code, error)
+            extra = {"event": "job_failed", "fields": {"code": error.code}}
+            logger.info("job %s attempt %d: %s: %s", self._job.id, self._job.attempt, error.code, error, extra=extra)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 
 from core.errors import IntegumentError, InternalError
-from sandbox.log_lines import log_context
+from sandbox.log_lines import add_log_context, log_context
 from store.job import Job, JobFailure
+from store.telemetry import span
 from worker.supervise import RETRIED_CODES, supervise
 from worker.workshop import Workshop
 
@@ -15,11 +16,15 @@ logger = logging.getLogger(__name__)
 
 def run_job(workshop: Workshop, job: Job) -> None:
     """Bring a claimed job to its end. Nothing escapes from here: the thread has other jobs to do."""
-    with log_context(job_id=job.id, attempt=job.attempt, workspace=job.workspace, worker=workshop.name):
+    known = {"job_id": job.id, "attempt": job.attempt, "workspace": job.workspace, "worker": workshop.name}
+    with log_context(**known), span(f"run {job.process}", parent=job.traceparent) as attempt:
+        attempt.note(integument__process=job.process, **{f"integument__{name}": value for name, value in known.items()})
+        add_log_context(**({} if attempt.trace_id is None else {"trace_id": attempt.trace_id}))
         logger.info("job %s: attempt %d of %s begins", job.id, job.attempt, job.process, extra={"event": "job_claimed"})
         try:
             supervise(workshop, job)
         except BaseException as error:
+            attempt.fail(type(error).__name__)
             logger.exception("job %s: the worker stumbled", job.id)
             _give_up(workshop, job, error)
 
