@@ -62,13 +62,13 @@ _UPLOAD_BODY: dict[str, Any] = {
 }
 
 
-def _folder_of(services: ServicesDep) -> Iterator[Path]:
+def scratch_folder(services: ServicesDep) -> Iterator[Path]:
     """Scratch space until the answer is out."""
     with request_folder(services.incoming_dir) as folder:
         yield folder
 
 
-FolderDep = Annotated[Path, Depends(_folder_of)]
+FolderDep = Annotated[Path, Depends(scratch_folder)]
 
 
 @router.post(

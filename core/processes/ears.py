@@ -19,6 +19,7 @@ from core.geometry.body_frame import BodyFrame, find_body_frame
 from core.geometry.vertex_values import interpolate
 from core.io.naming import make_unique
 from core.mesh import Mesh
+from core.processes.ear_boxes import rounded_box
 from core.processes.layer_package import LayerJob, deliver_layers
 from core.processes.loaded_skin import LoadedSkin, load_skin
 from core.processes.named_input import NamedInput, load_input
@@ -29,7 +30,7 @@ from core.reports.palette import tissue_colours
 from core.run import RunContext
 from core.schema.ears import EarsInputs
 from core.schema.finding import Finding, Place, Severity
-from core.schema.shells import Box, Region
+from core.schema.shells import Region
 from core.shells.nested_shells import Shell
 from core.shells.thickness import is_limited, is_on_target, vertex_areas
 from core.validation.requirements import require_fit_skin
@@ -96,7 +97,7 @@ def _ear_regions(inputs: EarsInputs, skin: Mesh) -> tuple[Region, ...]:
     """The boxes found or given, with the depths that hold in them."""
     if inputs.ears == "auto":
         return tuple(
-            Region(name=ear.name, box_mm=_box(ear.low, ear.high), depths_mm=inputs.ear_depths_mm, blend_mm=inputs.blend_mm)
+            Region(name=ear.name, box_mm=rounded_box(ear.low, ear.high), depths_mm=inputs.ear_depths_mm, blend_mm=inputs.blend_mm)
             for ear in find_ears(skin)
         )
     return tuple(
@@ -152,7 +153,7 @@ def _wall_regions(skin: RemeshedSkin, canals: list[str], ears: tuple[Region, ...
         low, high = wall.min(axis=0) - CANAL_MARGIN_MM, wall.max(axis=0) + CANAL_MARGIN_MM
         middles = [(np.array(ear.box_mm.min) + np.array(ear.box_mm.max)) / 2 for ear in ears]
         ear = ears[int(np.argmin([np.linalg.norm(middle - (low + high) / 2) for middle in middles]))]
-        regions.append(ear.model_copy(update={"name": name, "box_mm": _box(low, high)}))
+        regions.append(ear.model_copy(update={"name": name, "box_mm": rounded_box(low, high)}))
     return tuple(regions)
 
 
@@ -232,15 +233,6 @@ def _parameters(inputs: EarsInputs, source: LoadedSkin, solids: list[NamedInput]
         "skin": {"name": source.name, "sha256": source.sha256},
         "canals": [{"name": solid.name, "sha256": solid.sha256} for solid in solids],
     }
-
-
-def _box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Box:
-    """Rounded outwards to a tenth of a millimetre: numbers a reader can copy."""
-    down, up = np.floor(low * 10) / 10, np.ceil(high * 10) / 10
-    return Box(
-        min=(float(down[0]), float(down[1]), float(down[2])),
-        max=(float(up[0]), float(up[1]), float(up[2])),
-    )
 
 
 def _box_words(region: Region) -> str:

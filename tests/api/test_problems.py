@@ -60,7 +60,7 @@ def test_things_that_are_not_there_are_problems_as_declared(api: Live, paths: di
             assert problem["code"] in ("job.not_found", "mesh.not_found", "process.not_found", "upload.not_found")
             assert "404" in operation["responses"]
             asked += 1
-    assert asked == 18
+    assert asked >= 19, "every route with an id in its path"
 
 
 def test_every_problem_is_declared_as_one(paths: dict[str, dict[str, Any]]) -> None:
