@@ -10,7 +10,6 @@ import hashlib
 import io
 import os
 import tempfile
-import time
 from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -147,7 +146,7 @@ class LocalBlobs:
 
     def orphans(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says."""
-        before = time.time() - older_than_s
+        before = self._now() - older_than_s
         return [blob for blob in self.all() if blob.sha256 not in referenced and self._is_older(blob, before)]
 
     def _is_older(self, blob: Blob, before: float) -> bool:
@@ -158,7 +157,7 @@ class LocalBlobs:
 
     def sweep(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says."""
-        before = time.time() - older_than_s
+        before = self._now() - older_than_s
         with self._locked(fcntl.LOCK_EX):
             swept = [
                 blob
@@ -170,6 +169,11 @@ class LocalBlobs:
                 if remains.stat().st_mtime < before:
                     remains.unlink()
         return swept
+
+    def _now(self) -> float:
+        """By the clock that stamps the files: that of this process may be off, or another host's."""
+        with tempfile.TemporaryFile(dir=self._incoming) as probe:
+            return os.fstat(probe.fileno()).st_mtime
 
     def check(self) -> None:
         """As `Blobs` says: a file is written and taken away again."""

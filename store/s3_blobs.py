@@ -10,6 +10,7 @@ from datetime import UTC, datetime, timedelta
 from io import BufferedReader
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
+from uuid import uuid4
 
 import boto3
 from boto3.exceptions import Boto3Error
@@ -155,12 +156,12 @@ class S3Blobs:
 
     def orphans(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says; those touched lately are still among them."""
-        before = datetime.now(UTC) - timedelta(seconds=older_than_s)
+        before = self._now() - timedelta(seconds=older_than_s)
         return [blob for blob, changed in self._listed() if blob.sha256 not in referenced and changed < before]
 
     def sweep(self, referenced: Container[str], older_than_s: float) -> list[Blob]:
         """As `Blobs` says; writers wait for a few deletions at a time."""
-        before = datetime.now(UTC) - timedelta(seconds=older_than_s)
+        before = self._now() - timedelta(seconds=older_than_s)
         unwanted = self.orphans(referenced, older_than_s)
         swept = []
         for some in _batches(unwanted, SWEEP_BATCH):
@@ -222,6 +223,15 @@ class S3Blobs:
                 (row["Key"], row["Key"].rpartition("/")[2], row["Size"], row["LastModified"]) for row in page.get("Contents", ())
             ]
             yield [row for row in rows if len(row[1]) == hashlib.sha256().digest_size * 2]
+
+    def _now(self) -> datetime:
+        """By the clock that stamps the objects, to the next second: that of this process may be off."""
+        with _translated(""):
+            bucket, key = self._place.bucket, f"{self._place.prefix}clock/{uuid4()}"
+            self._client.put_object(Bucket=bucket, Key=key, Body=b"")
+            moment = self._client.head_object(Bucket=bucket, Key=key)["LastModified"]
+            self._client.delete_object(Bucket=bucket, Key=key)
+        return moment + timedelta(seconds=1)
 
     def check(self) -> None:
         """As `Blobs` says: an object is written and taken away again."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterator
+from datetime import timedelta
 from pathlib import Path
 
 import pytest
+import time_machine
 
 from core.errors import InternalError
 from store.blobs import CHUNK_BYTES, Blob, Blobs
@@ -111,6 +113,14 @@ def test_the_sweep_spares_the_young_and_the_referenced(blobs: Blobs) -> None:
     assert blobs.sweep(frozenset(), older_than_s=3600.0) == []
     assert blobs.sweep({kept.sha256}, older_than_s=-5.0) == [orphan]
     assert list(blobs.all()) == [kept]
+
+
+def test_the_sweep_goes_by_the_clock_of_the_store(blobs: Blobs) -> None:
+    young = blobs.put_bytes(b"young")
+    with time_machine.travel(timedelta(minutes=10), tick=True):
+        assert blobs.orphans(frozenset(), older_than_s=300.0) == []
+        assert blobs.sweep(frozenset(), older_than_s=300.0) == []
+    assert list(blobs.all()) == [young]
 
 
 def test_a_store_that_works_says_so(blobs: Blobs) -> None:
