@@ -18,7 +18,7 @@ from api.openapi import install_openapi
 from api.partial_file import sweep_partial_files
 from api.problem_handlers import install_problem_handlers
 from api.request_context import LOOPBACK_HOSTS, RequestContext
-from api.request_folder import sweep_incoming
+from api.request_folder import LEFT_BEHIND_S, sweep_incoming
 from api.request_log import RequestLog
 from api.routes import attempts, callbacks, ears, events, health, jobs, landing, meshes, page, processes, results, uploads
 from api.services import Services, make_services
@@ -29,7 +29,6 @@ from store.settings import Settings
 logger = logging.getLogger(__name__)
 
 SWEEP_S = 600.0
-LEFT_BEHIND_S = 900.0  # an upload nothing was written to for that long has no server any more
 
 DESCRIPTION = """\
 Mesh-processing server for computational human models. Jobs follow OGC API - Processes Part 1: Core 1.0: upload a mesh
@@ -54,9 +53,7 @@ def create_app(settings: Settings) -> FastAPI:
         middleware=[
             Middleware(RequestLog, tally=services.http_tally),
             Middleware(RequestContext, allowed_hosts=_allowed_hosts(settings)),
-            Middleware(
-                Gate, admission=services.admission, limiter=services.limiter, trail=services.trail, disk=services.disk
-            ),
+            Middleware(Gate, admission=services.admission, limiter=services.limiter, trail=services.trail, disk=services.disk),
             Middleware(BodyLimit, counts_itself=_takes_files),
         ],
     )

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
+LEFT_BEHIND_S = 900.0  # a request that wrote nothing for that long has no server any more
+
 
 @contextmanager
 def request_folder(incoming: Path) -> Iterator[Path]:

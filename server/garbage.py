@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from api.app import LEFT_BEHIND_S
 from api.partial_file import find_unknown_files, sweep_partial_files
-from api.request_folder import find_left_behind, sweep_incoming
+from api.request_folder import LEFT_BEHIND_S, find_left_behind, sweep_incoming
 from store.blobs import Blob, Blobs
 from store.database import Database
 from store.jobs import Jobs

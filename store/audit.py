@@ -86,6 +86,12 @@ class Audit:
         with self._db.reading() as session:
             return [_entry(row) for row in session.scalars(query)]
 
+    def last(self, action: str) -> datetime | None:
+        """When this was done for the last time; None: not within the days the log is kept."""
+        with self._db.reading() as session:
+            query = select(AuditRow.at).where(AuditRow.action == action, AuditRow.outcome == DONE)
+            return session.scalars(query.order_by(AuditRow.at.desc()).limit(1)).first()
+
     def sweep(self, days: float) -> int:
         """Forget what is older; returns how many."""
         with self._db.session() as session:

@@ -18,7 +18,7 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, create_engine, event, func, make_url, select, text
-from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import DatabaseError, DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session
 from sqlalchemy.pool import ConnectionPoolEntry
@@ -30,6 +30,7 @@ _ONE_AT_A_TIME = threading.Lock()  # Alembic keeps the migration under way in a 
 
 BUSY_TIMEOUT_S = 10
 WAL_BYTES = 64 * 1024**2  # a write-ahead log that grew larger is cut back once it is copied into the file
+_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks have no names
 
 
@@ -146,6 +147,10 @@ def _translated() -> Iterator[None]:
         if isinstance(cause, psycopg.errors.DiskFull) or getattr(cause, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL:
             raise LimitError("storage.full", f"the database has no space left: {reason}") from error
         raise InternalError("database.unavailable", f"the database does not answer: {reason}") from error
+    except DatabaseError as error:
+        if getattr(error.orig, "sqlite_errorcode", None) not in _DAMAGED:
+            raise
+        raise InternalError("database.damaged", f"the database file is damaged: {error.orig}") from error
 
 
 def _require_whole(connection: Connection) -> None:

@@ -11,12 +11,12 @@ from types import ModuleType
 from pydantic import ValidationError
 
 from core.errors import InputError, IntegumentError, StateError
-from server.admin import audit, backup, gc, jobs, keys, parked, retention, workspaces
+from server.admin import audit, backup, doctor, gc, jobs, keys, parked, retention, workspaces
 from server.admin.desk import Desk
 from store.database import Database
 from store.settings import Settings
 
-GROUPS: tuple[ModuleType, ...] = (keys, workspaces, jobs, parked, audit, retention, gc, backup)
+GROUPS: tuple[ModuleType, ...] = (keys, workspaces, jobs, parked, audit, retention, gc, backup, doctor)
 """Each has `register(groups)`, which adds its commands; `run(desk, options)` is what one does, and may return the exit code."""
 
 DESCRIPTION = """\

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from typing import TYPE_CHECKING
 
 from core.errors import InputError
 from server.admin.arguments import Subparsers
 from server.admin.confirmation import add_yes, require_yes
 from server.admin.desk import Desk
-from server.garbage import Garbage, Heap
 from store.open_blobs import open_blobs
 from store.sqlite_file import SqliteFile
 from store.workspace import DEFAULT_WORKSPACE
+
+if TYPE_CHECKING:
+    from server.garbage import Heap
 
 COLUMNS = ("kind", "count", "bytes")
 
@@ -28,6 +31,8 @@ def register(groups: Subparsers) -> None:
 
 
 def _collect(desk: Desk, options: Namespace) -> None:
+    from server.garbage import Garbage, Heap  # loads API and worker, which other commands need not wait for
+
     garbage = Garbage(desk.settings, desk.db, open_blobs(desk.settings, desk.db))
     if options.rewrite and not desk.db.is_sqlite:
         raise InputError("admin.nothing_selected", "--rewrite is for SQLite; PostgreSQL has VACUUM FULL")
