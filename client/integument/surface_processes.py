@@ -1,4 +1,4 @@
-"""The processes that turn surfaces into surfaces, as methods of the client."""
+"""The processes that take surfaces, as methods of the client."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ZIP_TYPE = "application/zip"
 
 
 class SurfaceProcesses(ABC):
-    """`heal`, `decimate`, `smooth`. All take surfaces, upload what is needed, queue the job and wait.
+    """`heal`, `decimate`, `smooth`, `tetrahedralize`. All take surfaces, upload what is needed, queue the job and wait.
 
     Alone a surface gives the output `mesh`; several, or a package, give `package` and each surface under its name.
     Further inputs go by their names in the process description. Raises: as `upload_mesh`, `execute` and `wait`.
@@ -101,6 +101,20 @@ class SurfaceProcesses(ABC):
                 {"name": name, "box_mm": {"min": list(low), "max": list(high)}} for name, (low, high) in regions.items()
             ]
         return self.wait(self.execute("smooth", {**asked, **self._surfaces(surfaces, unit)}), on_event)
+
+    def tetrahedralize(
+        self,
+        surfaces: SurfacesInput,
+        *,
+        radius_edge: float | None = 2.0,
+        max_volume_mm3: Mapping[str, float] | None = None,
+        unit: Unit = "mm",
+        on_event: OnEvent | None = None,
+        **inputs: Any,
+    ) -> Job:
+        """Tetrahedra in all tissues, as outputs `msh` and `vtu`. radius_edge: None adds no vertex but where it must."""
+        asked = {"radius_edge": radius_edge, "max_volume_mm3": dict(max_volume_mm3 or {}), **inputs}
+        return self.wait(self.execute("tetrahedralize", {**asked, **self._surfaces(surfaces, unit)}), on_event)
 
     def _surfaces(self, surfaces: SurfacesInput, unit: Unit) -> dict[str, Any]:
         if isinstance(surfaces, Mapping):

@@ -65,7 +65,8 @@ def _write_surfaces(folder: Path, tissue: Tissue) -> None:
 
 
 def _write_solver_files(folder: Path, tissues: Sequence[Tissue], report: Report) -> None:
-    openmeeg.write_model(_parent_of(folder / openmeeg.FOLDER / "model.geom").parent, tissues)
+    (folder / openmeeg.FOLDER).mkdir()
+    openmeeg.write_model(folder / openmeeg.FOLDER, tissues)
     merged = merge(tissues)
     gmsh.write_surfaces(_parent_of(folder / gmsh.FILE), merged)
     _write_text(folder / nastran.FILE, nastran.bulk_data(merged))

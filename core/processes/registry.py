@@ -17,6 +17,7 @@ from core.processes.outcome import Outcome, OutputFile
 from core.processes.shells import run_shells
 from core.processes.smooth import run_smooth
 from core.processes.software import software_digest
+from core.processes.tetrahedralize import run_tetrahedralize
 from core.processes.validate import run_validate
 from core.processes.warm_up import warm_up
 from core.reports.figures.figure import Figure
@@ -36,6 +37,7 @@ HANDLERS: dict[str, Handler] = {
     "heal": run_heal,
     "decimate": run_decimate,
     "smooth": run_smooth,
+    "tetrahedralize": run_tetrahedralize,
 }
 
 

@@ -56,6 +56,7 @@ _NEEDS: Mapping[str, _Need] = {
     "graft": _Need(mb=380, bytes_per_face=500, s=2.0, s_per_face=45e-6),
     "heal": _Need(mb=250, bytes_per_face=500, s=0.5, s_per_face=20e-6),
     "decimate": _Need(mb=300, bytes_per_face=550, s=1.0, s_per_face=25e-6),
+    "tetrahedralize": _Need(mb=400, bytes_per_face=4000, s=2.0, s_per_face=130e-6),
     "smooth": _Need(mb=390, bytes_per_face=250, s=1.5, s_per_face=45e-6),
 }
 DEFAULT_ITERATIONS = 20

@@ -11,9 +11,10 @@ from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
 from core.schema.shells import ShellsInputs
 from core.schema.smooth import SmoothInputs
+from core.schema.tetrahedralize import TetrahedralizeInputs
 from core.schema.validate import ValidateInputs
 
-MediaType = Literal["application/zip", "application/json", "text/html", "model/stl"]
+MediaType = Literal["application/zip", "application/json", "text/html", "model/stl", "application/x-gmsh", "application/x-vtu"]
 
 
 class OutputDescription(FrozenModel):
@@ -147,6 +148,25 @@ SMOOTH = ProcessDescription(
     outputs=_OF_SURFACES,
     names_surfaces=True,
 )
+TETRAHEDRALIZE = ProcessDescription(
+    id="tetrahedralize",
+    version="1.0.0",
+    title="Fill surfaces with tetrahedra",
+    description="A conforming volume mesh with one region per tissue, no vertex added on a surface, each region's volume proven; "
+    "for SimNIBS, gmsh and ParaView. Surfaces that cannot be filled are refused with the faces at fault.",
+    keywords=("tetrahedra", "FEM", "volume mesh", "TetGen", "SimNIBS"),
+    inputs=TetrahedralizeInputs,
+    outputs={
+        "msh": OutputDescription(
+            title="Volume mesh", media_type="application/x-gmsh", description="gmsh 2.2 binary: triangles 1000 + n, tetrahedra n"
+        ),
+        "vtu": OutputDescription(
+            title="Volume mesh for ParaView", media_type="application/x-vtu", description="Tetrahedra, tissue and conductivity"
+        ),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+    },
+)
 PROCESSES: dict[str, ProcessDescription] = {
-    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH)
+    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, TETRAHEDRALIZE)
 }

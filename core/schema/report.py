@@ -106,6 +106,18 @@ class ComparisonReport(FrozenModel):
     volume_change: float | None = Field(description="Share of the volume before; null unless both are closed")
 
 
+class RegionReport(FrozenModel):
+    """The tetrahedra of one tissue. Quality is volume over the cube of the root mean square edge, 1 for the regular one."""
+
+    region_tag: int = Field(description="The tissue's number in the files")
+    tetrahedra: int
+    volume_mm3: float = Field(description="Of all of them; proven to be that between the surface and those inside it")
+    quality_minimum: float
+    quality_percentile_1: float
+    quality_median: float
+    smallest_dihedral_deg: float = Field(description="Smallest angle between two faces of a tetrahedron; 70.5 in the regular one")
+
+
 class Report(FrozenModel):
     """The whole report of a job."""
 
@@ -116,6 +128,7 @@ class Report(FrozenModel):
     pairs: tuple[PairReport, ...] = ()
     thickness: dict[str, ThicknessReport] = {}
     comparisons: dict[str, ComparisonReport] = Field({}, description="Mesh name -> what became of the surface that came")
+    regions: dict[str, RegionReport] = Field({}, description="Tissue -> its tetrahedra")
     nesting: dict[str, str | None] = Field({}, description="Mesh name -> the mesh that encloses it most closely, or null")
     findings: tuple[Finding, ...] = ()
     changes: tuple[dict[str, Any], ...] = ()

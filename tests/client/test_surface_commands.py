@@ -1,4 +1,4 @@
-"""What `integument heal`, `decimate` and `smooth` send, and what comes back."""
+"""What `integument heal`, `decimate`, `smooth` and `tetrahedralize` send, and what comes back."""
 
 import json
 import zipfile
@@ -71,6 +71,15 @@ def test_options_of_heal(state: State, files: dict[str, str]) -> None:
     inputs = sent(state, "heal", files["skin"], "--no-fill-holes", "--pieces", "keep_all", "--max-deviation", "2", "--staircase")
     del inputs["mesh"]
     assert inputs == {"fill_holes": False, "pieces": "keep_all", "max_deviation_mm": 2.0, "staircase": True}
+
+
+def test_options_of_tetrahedralize(state: State, files: dict[str, str]) -> None:
+    inputs = sent(state, "tetrahedralize", PACKAGE, "--radius-edge", "0", "--max-volume", "fat=2.5", "--max-volume", "skin=1")
+    assert inputs == {
+        "package": {"href": PACKAGE},
+        "radius_edge": None,
+        "max_volume_mm3": {"fat": 2.5, "skin": 1.0},
+    }
 
 
 def test_options_of_smooth(state: State, files: dict[str, str]) -> None:

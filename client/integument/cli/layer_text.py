@@ -40,6 +40,11 @@ def read_ratio_region(text: str) -> dict[str, Any]:
     return {**read_box(box), "ratio": _read_number(ratio, where)}
 
 
+def read_volumes(texts: Iterable[str]) -> dict[str, float]:
+    """Tissue -> largest tetrahedron in mm³. Raises: ArgumentError."""
+    return _read_named(texts, "--max-volume", _read_depth)
+
+
 def _read_named(texts: Iterable[str], option: str, read: Callable[[str, str], tuple[str, Depth]]) -> dict[str, Depth]:
     layers: dict[str, Depth] = {}
     for text in texts:

@@ -49,6 +49,10 @@ SurfaceOption: TypeAlias = Annotated[
         "--output", "-o", help="Where to put the surface, an STL; of several surfaces or a package: the package, a zip."
     ),
 ]
+VolumeOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", help="Where to put the tetrahedra: gmsh 2.2 for SimNIBS, or VTU if it ends in .vtu."),
+]
 ReportOption: TypeAlias = Annotated[
     Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
 ]

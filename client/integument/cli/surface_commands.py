@@ -1,4 +1,4 @@
-"""The commands that turn surfaces into surfaces: `heal`, `decimate`, `smooth`."""
+"""The commands that take surfaces: `heal`, `decimate`, `smooth`, `tetrahedralize`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import BOX_FORM, RATIO_FORM, read_box, read_ratio_region
-from integument.cli.options import MinGapOption, ReportOption, SurfaceOption, SurfacesArgument, UnitOption
+from integument.cli.layer_text import BOX_FORM, RATIO_FORM, read_box, read_ratio_region, read_volumes
+from integument.cli.options import MinGapOption, ReportOption, SurfaceOption, SurfacesArgument, UnitOption, VolumeOption
 from integument.cli.session import connect
 from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
 from integument.errors import ArgumentError
@@ -22,6 +22,7 @@ def register(app: typer.Typer) -> None:
     app.command()(heal)
     app.command()(decimate)
     app.command()(smooth)
+    app.command()(tetrahedralize)
 
 
 def heal(
@@ -150,6 +151,28 @@ def smooth(
     _run(ctx, "smooth", surfaces, unit, inputs, output, report)
 
 
+def tetrahedralize(
+    ctx: typer.Context,
+    surfaces: SurfacesArgument,
+    unit: UnitOption = "mm",
+    radius_edge: Annotated[
+        float | None,
+        typer.Option(metavar="RATIO", help="Largest ratio of circumradius to shortest edge, 1.1 to 10; default 2, 0 for none."),
+    ] = None,
+    max_volume: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=MM3", help="Largest tetrahedron of a tissue, in mm³; repeat.")
+    ] = None,
+    min_gap: MinGapOption = None,
+    output: VolumeOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Fill closed surfaces with tetrahedra, one region per tissue."""
+    inputs = _given(max_volume_mm3=read_volumes(max_volume or []) or None, min_gap_mm=min_gap)
+    if radius_edge is not None:
+        inputs["radius_edge"] = radius_edge or None
+    _run(ctx, "tetrahedralize", surfaces, unit, inputs, output, report, "vtu" if output and output.suffix == ".vtu" else "msh")
+
+
 def _given(**inputs: Any) -> dict[str, Any]:
     """What was typed; the server's defaults hold for the rest."""
     return {name: value for name, value in inputs.items() if value is not None}
@@ -163,10 +186,11 @@ def _run(
     inputs: dict[str, Any],
     output: Path | None,
     report: Path | None,
+    output_name: str | None = None,
 ) -> None:
     options = options_of(ctx)
     surfaces = read_surfaces(texts)
-    wanted = Wanted({} if output is None else {surfaces.output: output}, report)
+    wanted = Wanted({} if output is None else {output_name or surfaces.output: output}, report)
     wanted.require_room()
     with connect(options) as session:
         view = options.progress_view()

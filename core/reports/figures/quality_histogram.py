@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter
+from numpy.typing import NDArray
 
 from core.geometry.quality import quality
 from core.mesh import Mesh
@@ -21,15 +22,21 @@ WIDTH_IN, PLOT_IN, TICKS_IN = 8.4, 1.75, 0.45
 
 def draw_quality_histogram(meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Figure:
     """Share of the faces by q = 2 r_in / r_out, logarithmic, so that a single sliver among 100,000 faces shows."""
+    qualities = {name: quality(mesh.vertices, mesh.faces) for name, mesh in meshes.items()}
+    png = draw_shares(qualities, colours, "share of faces", "triangle quality q (1: equilateral)")
+    worst = "; ".join(f"{name} {q.min():.2g}" for name, q in qualities.items())
+    caption = f"Share of faces by quality q = 2 r_in / r_out, logarithmic. Smallest q: {worst}."
+    return Figure("quality_histogram", "Triangle quality", caption, png)
+
+
+def draw_shares(values: Mapping[str, NDArray[np.float64]], colours: Mapping[str, Colour], share: str, value: str) -> bytes:
+    """A PNG with a curve per name: shares of its values (N,), all within 0..1, in equal bins; axes called `share` and `value`."""
     edges = np.linspace(0.0, 1.0, BINS + 1)
-    total_in = legend_height_in(len(meshes)) + PLOT_IN + TICKS_IN
+    total_in = legend_height_in(len(values)) + PLOT_IN + TICKS_IN
     with sheet(WIDTH_IN, total_in) as figure:
         axes = figure.add_axes((0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in))
-        worst = []
-        for name, mesh in meshes.items():
-            q = quality(mesh.vertices, mesh.faces)
-            worst.append(f"{name} {q.min():.2g}")
-            shares = np.histogram(q, bins=edges)[0] / len(q)
+        for name, own in values.items():
+            shares = np.histogram(own, bins=edges)[0] / len(own)
             heights = np.maximum(np.append(shares, shares[-1]), SMALLEST_SHARE)
             axes.step(edges, heights, where="post", color=as_hex(colours[name]), linewidth=1.3)
         axes.set_yscale("log")
@@ -37,11 +44,9 @@ def draw_quality_histogram(meshes: Mapping[str, Mesh], colours: Mapping[str, Col
         axes.set_xlim(0.0, 1.0)
         axes.set_yticks([10.0**power for power in range(-6, 1, 2)])
         axes.minorticks_off()
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _position: f"{100 * share:g} %"))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda part, _position: f"{100 * part:g} %"))
         axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
-        axes.set_ylabel("share of faces")
-        axes.set_xlabel("triangle quality q (1: equilateral)")
-        draw_legend(figure, {name: colours[name] for name in meshes})
-        png = to_png(figure)
-    caption = f"Share of faces by quality q = 2 r_in / r_out, logarithmic. Smallest q: {'; '.join(worst)}."
-    return Figure("quality_histogram", "Triangle quality", caption, png)
+        axes.set_ylabel(share)
+        axes.set_xlabel(value)
+        draw_legend(figure, {name: colours[name] for name in values})
+        return to_png(figure)

@@ -1,0 +1,86 @@
+"""`tetrahedralize`: files that their readers load, and refusals with the faces at fault."""
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+
+from core.errors import InputError
+from core.package.build import build_package
+from tests.core.package.nested import figures, report, tissues
+from tests.core.processes.test_surface_processes import executed, href, of_one, of_package, stored
+from tests.solids import cube, sphere, without_faces
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tetrahedra")
+    build_package(folder / "package.zip", tissues(), report(), figures())
+    return of_package("tetrahedralize", folder, folder / "package.zip", max_volume_mm3={"average_body": 5.0})
+
+
+def test_the_msh_has_surfaces_and_regions_by_number(done):
+    mesh = meshio.read(done["files"]["msh"])
+    tags = mesh.cell_data_dict["gmsh:physical"]
+    assert set(tags["triangle"]) == {1005, 1012, 1010}
+    assert set(tags["tetra"]) == {5, 12, 10}
+    given = np.vstack([tissue.mesh.vertices for tissue in tissues()])
+    np.testing.assert_array_equal(np.unique(mesh.points[: len(given)], axis=0), np.unique(given, axis=0))
+
+
+def test_gmsh_reads_it(done):
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(done["files"]["msh"]))
+        groups = {tag for dimension, tag in gmsh.model.getPhysicalGroups() if dimension == 3}
+        sizes = {tag: len(gmsh.model.mesh.getElementsByType(4, tag)[0]) for tag in groups}
+    finally:
+        gmsh.finalize()
+    assert sizes == {region.region_tag: region.tetrahedra for region in done["report"].regions.values()}
+
+
+def test_the_vtu_has_conductivities(done):
+    mesh = meshio.read(done["files"]["vtu"])
+    fat = mesh.cell_data["region_tag"][0] == 12
+    assert set(mesh.cell_data["conductivity_s_per_m"][0][fat]) == {0.078}
+
+
+def test_the_report_has_a_row_per_tissue(done):
+    regions = done["report"].regions
+    assert list(regions) == ["skin", "fat", "average_body"]
+    assert sum(region.volume_mm3 for region in regions.values()) == pytest.approx(done["report"].meshes["skin"].volume_mm3)
+    assert all(
+        0 < region.quality_minimum <= region.quality_percentile_1 <= region.quality_median <= 1 for region in regions.values()
+    )
+    page = done["files"]["report_html"].read_text(encoding="utf-8")
+    assert "Tetrahedra" in page
+    assert done["verdict"] == "simulation_ready"
+
+
+def test_one_surface_alone(tmp_path):
+    alone = of_one("tetrahedralize", tmp_path, cube(10.0), radius_edge=None)
+    assert alone["report"].regions["mesh"].volume_mm3 == pytest.approx(1000.0)
+
+
+@pytest.mark.parametrize(
+    ("meshes", "finding"),
+    [
+        ({"a": without_faces(cube(10.0), [0])}, "mesh.not_closed"),
+        ({"a": sphere(5.0, 2), "b": sphere(5.0, 2, at=(4.0, 0.3, 0.2))}, "pair.intersecting"),
+    ],
+)
+def test_unfit_surfaces_are_refused_with_the_faces(tmp_path, meshes, finding):
+    entries = stored(tmp_path, meshes)
+    inputs = {"meshes": {name: {"href": href(number)} for number, name in enumerate(meshes)}}
+    with pytest.raises(InputError) as error:
+        executed("tetrahedralize", tmp_path, inputs, entries)
+    assert error.value.code == "tetrahedra.surfaces_unfit"
+    assert finding in {found.code for found in error.value.findings}
+    assert error.value.outputs
+
+
+def test_a_tissue_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(InputError, match="bone") as error:
+        of_one("tetrahedralize", tmp_path, cube(10.0), max_volume_mm3={"bone": 1.0})
+    assert error.value.code == "tetrahedra.unknown_tissue"

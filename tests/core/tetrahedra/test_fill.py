@@ -1,0 +1,106 @@
+"""Filled sets have the volumes of their closed forms; what is not filled wholly is found out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.errors import InputError, InternalError
+from core.mesh import Mesh
+from core.tetrahedra.element_quality import quality, volumes
+from core.tetrahedra.fill import fill
+from core.tetrahedra.prove_filled import expected_volumes, prove_filled
+from tests.solids import cube, flipped, sphere, together
+
+SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.0, 1)}
+NESTING = {"outer": None, "inner": "outer", "core": "inner"}
+
+
+@pytest.fixture(scope="module")
+def filled():
+    return fill(SURFACES, NESTING, gap_mm=0.5)
+
+
+def test_every_tissue_has_its_volume(filled):
+    found = np.bincount(filled.region, weights=volumes(filled.corners()))
+    whole = [float(mesh_volume(mesh)) for mesh in SURFACES.values()]
+    np.testing.assert_allclose(found, [whole[0] - whole[1], whole[1] - whole[2], whole[2]], rtol=1e-10)
+
+
+def test_vertices_of_the_surfaces_come_first_and_unchanged(filled):
+    given = np.vstack([mesh.vertices for mesh in SURFACES.values()])
+    np.testing.assert_array_equal(filled.vertices[: len(given)], given)
+
+
+def test_a_better_shape_takes_more_tetrahedra(filled):
+    better = fill(SURFACES, NESTING, gap_mm=0.5, radius_edge=1.1)
+    assert len(better.tetrahedra) > len(filled.tetrahedra)
+    inner = [np.median(quality(each.corners()[each.region == 1])) for each in (filled, better)]
+    assert inner[1] > inner[0]
+
+
+def test_a_largest_volume_makes_its_tissue_finer_and_no_other():
+    surfaces = {"outer": SURFACES["outer"], "inner": sphere(8.0, 3)}
+    nesting = {"outer": None, "inner": "outer"}
+    coarse = fill(surfaces, nesting, gap_mm=0.5, radius_edge=2.0)
+    fine = fill(surfaces, nesting, gap_mm=0.5, radius_edge=2.0, largest_mm3={"inner": 0.5})
+    assert (fine.region == 1).sum() > 3 * (coarse.region == 1).sum()
+    assert (fine.region == 0).sum() < 1.1 * (coarse.region == 0).sum()
+    assert np.median(volumes(fine.corners())[fine.region == 1]) <= 0.5
+
+
+def test_siblings_and_pieces_share_the_tissue_around_them():
+    surfaces = {
+        "outer": cube(40.0),
+        "pair": together(sphere(3.0, 1, at=(10.0, 10.0, 10.0)), sphere(3.0, 1, at=(30.0, 10.0, 10.0))),
+        "third": sphere(2.0, 1, at=(20.0, 10.0, 10.0)),
+    }
+    volume = fill(surfaces, {"outer": None, "pair": "outer", "third": "outer"}, gap_mm=0.5)
+    assert np.bincount(volume.region, weights=volumes(volume.corners()))[0] == pytest.approx(
+        64000 - mesh_volume(surfaces["pair"]) - mesh_volume(surfaces["third"])
+    )
+
+
+def test_a_cavity_belongs_to_the_tissue_around_or_to_nobody():
+    hollow = sphere(4.0, 2)
+    surfaces = {"outer": SURFACES["outer"], "hollow": together(hollow, flipped(sphere(2.0, 1)))}
+    volume = fill(surfaces, {"outer": None, "hollow": "outer"}, gap_mm=0.5)
+    assert np.linalg.norm(volume.corners().mean(axis=1), axis=1)[volume.region == 0].min() < 2.0
+    alone = fill({"hollow": surfaces["hollow"]}, {"hollow": None}, gap_mm=0.5)
+    assert volumes(alone.corners()).sum() == pytest.approx(mesh_volume(hollow) - mesh_volume(sphere(2.0, 1)))
+
+
+def test_crossing_surfaces_are_refused_by_name_and_the_caller_lives():
+    crossing = {"a": sphere(5.0, 2), "b": sphere(5.0, 2, at=(4.0, 0.3, 0.2))}
+    with pytest.raises(InputError) as error:
+        fill(crossing, {"a": None, "b": None}, gap_mm=0.5)
+    assert error.value.code == "tetrahedra.refused"
+
+
+def test_what_is_too_thin_for_a_point_is_refused():
+    ball = sphere(10.0, 2)
+    with pytest.raises(InputError) as error:
+        fill({"leaf": ball.with_vertices(ball.vertices * (1.0, 1.0, 1e-5))}, {"leaf": None}, gap_mm=0.5)
+    assert error.value.code == "tetrahedra.no_room"
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda v: replace(v, tetrahedra=v.tetrahedra[1:], region=v.region[1:]), "mm³"),
+        (lambda v: replace(v, tetrahedra=v.tetrahedra[:, [1, 0, 2, 3]]), "inverted"),
+        (lambda v: replace(v, region=np.where(v.region == 2, 1, v.region).astype(np.int32)), "border"),
+        (lambda v: replace(v, region=(2 - v.region).astype(np.int32)), "mm³"),
+    ],
+)
+def test_the_proof_finds_what_is_wrong(filled, change, word):
+    prove_filled(filled, SURFACES, NESTING)
+    with pytest.raises(InternalError, match=word) as error:
+        prove_filled(change(filled), SURFACES, NESTING)
+    assert error.value.code == "tetrahedra.not_proven"
+
+
+def mesh_volume(mesh: Mesh) -> float:
+    return expected_volumes({"one": mesh}, {"one": None})["one"]
