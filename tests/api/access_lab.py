@@ -1,0 +1,101 @@
+"""Two workspaces on one real server: what the first has, a key of every kind, and every route there is."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import httpx
+from sqlalchemy import update
+
+from api.app import create_app
+from store.api_keys import ApiKeys
+from store.key_text import make_key_text
+from store.records import ApiKeyRow
+from store.scope import Scope
+from store.settings import Settings
+from store.workspace import WorkspaceId
+from store.workspaces import Workspaces
+from tests.api.live import Live, serving
+from tests.core.io.stl_bytes import binary_stl
+
+MISSING = "00000000-0000-4000-8000-000000000000"
+SCOPED = {"read": Scope.READ, "submit": Scope.SUBMIT, "admin": Scope.ADMIN}
+TUS = {"Tus-Resumable": "1.0.0", "Upload-Offset": "0", "Upload-Length": "10"}
+
+
+@dataclass(frozen=True)
+class Lab:
+    """A server that asks for keys; what `lab-a` has, and a key of every kind."""
+
+    live: Live
+    keys: dict[str, str]
+    mesh: str
+    job: str
+    waiting: str
+    upload: str
+    workspace: WorkspaceId
+
+    def ask(self, method: str, path: str, role: str, **more: object) -> httpx.Response:
+        key = self.keys[role]
+        headers = {"Authorization": f"Bearer {key}"} if key else {}
+        if "/uploads" in path:
+            headers |= TUS
+        if method == "PATCH":
+            headers["Content-Type"] = "application/offset+octet-stream"
+        with self.live.client.stream(method, path, headers=headers, **more) as response:  # type: ignore[arg-type]
+            if "event-stream" not in response.headers.get("content-type", ""):
+                response.read()
+            return response
+
+
+def routes() -> list[tuple[str, str]]:
+    """(method, path) of everything the application offers."""
+    with tempfile.TemporaryDirectory() as folder:
+        app = create_app(Settings(data_dir=Path(folder)))
+    included: list[Any] = [route for router in app.routes for route in router.effective_candidates()]  # type: ignore[attr-defined]
+    found = [(method, route.path) for route in included for method in sorted(route.methods)]
+    assert len(found) >= 20
+    return found
+
+
+ROUTES = routes()
+
+
+def concrete(path: str, mesh: str = MISSING, job: str = MISSING, upload: str = MISSING) -> str:
+    """The path with its parameters filled in."""
+    values = {"mesh_id": mesh, "job_id": job, "upload_id": upload, "output": "report", "process_id": "validate"}
+    return re.sub(r"\{(\w+)\}", lambda match: values[match[1]], path)
+
+
+@contextmanager
+def open_lab(settings: Settings) -> Iterator[Lab]:
+    """Until the block ends."""
+    with serving(settings) as live:
+        db = live.services.db
+        keys, workspaces = ApiKeys(db), Workspaces(db)
+        a, b = workspaces.create("lab-a").id, workspaces.create("lab-b").id
+        text = {role: keys.create(a, role, [scope]).text for role, scope in SCOPED.items()}
+        text["owner"] = keys.create(a, "owner", Scope).text
+        text["stranger"] = keys.create(b, "stranger", Scope).text
+        revoked, expired = (keys.create(a, name, Scope, timedelta(days=1)) for name in ("revoked", "expired"))
+        keys.revoke(revoked.key.id)
+        with db.session() as session:
+            past = db.now(session) - timedelta(seconds=1)
+            session.execute(update(ApiKeyRow).where(ApiKeyRow.id == expired.key.id).values(expires_at=past))
+        text |= {"nothing": "", "unknown": make_key_text().text, "mistyped": text["owner"][:-1] + "?"}
+        text |= {"revoked": revoked.text, "expired": expired.text}
+        made = Lab(live, text, "", "", "", "", a)
+        sent = made.ask("POST", "/v1/meshes", "owner", files={"file": ("skin.stl", binary_stl())})
+        assert sent.status_code == 201, sent.text
+        upload = made.ask("POST", "/v1/uploads", "owner")
+        assert upload.status_code == 201, upload.text
+        job = live.successful(workspace=a)
+        waiting = live.services.jobs.create(a, "validate", {})
+        yield Lab(live, text, str(sent.json()["id"]), job.id, waiting.id, str(upload.json()["id"]), a)
