@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web chromium fuzz audit
+.PHONY: help demo serve test check bench clean web chromium faults fuzz audit
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -47,6 +47,11 @@ bench: $(STAMP) ## compare with peers; prints ratios
 
 load: $(STAMP) ## load a server of its own on loopback; prints what it holds of its promises, about 15 minutes
 	$(BIN)/python -m benchmarks.load
+
+SEED ?= 1
+JOBS ?= 200
+faults: $(STAMP) ## kill, pause, cut, fill and confuse a whole lab by SEED while it does JOBS; leaves out/faults/, about 10 minutes
+	$(BIN)/python -m tests.acceptance.faults --seed $(SEED) --jobs $(JOBS)
 
 FUZZ_SECONDS ?= 60
 fuzz: $(STAMP) ## every reader and the whole API against a coverage-guided fuzzer, FUZZ_SECONDS each; leaves out/fuzz/
