@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from celery import Celery
-from kombu import Queue
+from celery import Celery, bootsteps
+from kombu import Exchange, Queue
 
 from store.doorbell import TASK, queue_name
 from store.settings import Settings
@@ -30,12 +30,13 @@ def create_app(workshop: Workshop, crew: Crew) -> Celery:
         result_serializer="json",
         task_ignore_result=True,
         task_store_errors_even_if_ignored=False,
-        task_queues=[Queue(name) for name in heard_queues(settings)],
+        task_queues=[Queue(name, Exchange(name), routing_key=name) for name in heard_queues(settings)],
         task_default_queue=settings.queue,
         # a message is spent once taken: duplicates and losses are mended from the job table, never by the broker
         task_acks_late=False,
         task_reject_on_worker_lost=False,
-        worker_prefetch_multiplier=1,
+        # one bell at a time, by the number of tasks under way; not by unacknowledged messages (0): broken ones leave some behind
+        worker_prefetch_multiplier=0,
         worker_disable_prefetch=True,
         worker_cancel_long_running_tasks_on_connection_loss=False,
         broker_connection_retry_on_startup=True,
@@ -51,6 +52,16 @@ def create_app(workshop: Workshop, crew: Crew) -> Celery:
         worker_hijack_root_logger=False,
         worker_redirect_stdouts=False,
     )
+
+    class CrewStep(bootsteps.StartStopStep):  # type: ignore[misc]  # Celery has no types
+        """From now on a signal to stop is heard, so jobs may be taken; a broker that is away keeps nobody from that."""
+
+        requires = ("celery.worker.components:Pool",)
+
+        def start(self, parent: object) -> None:
+            crew.start()
+
+    app.steps["worker"].add(CrewStep)
 
     @app.task(name=TASK, ignore_result=True)
     def run(job_id: object = None, attempt: object = None) -> None:

@@ -8,9 +8,11 @@ from typing import Any
 
 from celery.signals import worker_ready, worker_shutting_down
 
+from core.errors import IntegumentError
 from store.metrics import Metrics
 from store.periodic import Periodic
 from store.receivers import Receivers
+from store.schema_check import require_own_schema
 from store.settings import Settings
 from store.stored_bytes import StoredBytes
 from worker.app import create_app, heard_queues
@@ -18,6 +20,7 @@ from worker.callback_sender import CallbackSender
 from worker.crew import Crew
 from worker.deliverer import Deliverer
 from worker.liveness import Liveness
+from worker.outage import is_outage
 from worker.pool import BellTaskPool
 from worker.presence import Presence
 from worker.reconciler import SWEEP_S, Reconciler
@@ -29,8 +32,16 @@ logger = logging.getLogger(__name__)
 def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[str] | None = None) -> int:
     """Work until SIGTERM or SIGINT; returns the exit code. For the main thread only.
 
-    On the signal no job is claimed any more; those that run have `drain_s` to end, then they are handed back to the queue."""
+    On the signal no job is claimed any more; those that run have `drain_s` to end, then they are handed back to the queue.
+    A worker whose tables are of another version does not begin: exit code 2. One that runs while they are migrated goes on."""
     workshop = Workshop.open(settings, target=target, preload=preload)
+    try:
+        require_own_schema(workshop.db)
+    except IntegumentError as error:
+        if not is_outage(error):  # a database that is away is waited for
+            logger.error("%s [%s]", error.message, error.code)
+            workshop.close()
+            return 2
     workshop.nursery.start()  # before Celery has any thread
     liveness = Liveness(settings)
     reconciler = Reconciler(workshop, liveness)
@@ -71,7 +82,6 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         without_heartbeat=True,
         task_events=False,
     )
-    crew.start()  # a broker that is away keeps nobody from looking
     try:
         worker.start()
     finally:
