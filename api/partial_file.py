@@ -22,10 +22,13 @@ class PartialFile:
         self.path = path
         self.size = 0
 
+    @property
+    def present(self) -> int:
+        """Bytes in it, whether they count or not."""
+        return os.fstat(self._handle).st_size
+
     def cut(self, size: int) -> None:
-        """Forget what is behind the bytes that count, and go on there. Raises StateError `upload.not_found` if some are gone."""
-        if os.fstat(self._handle).st_size < size:
-            raise StateError("upload.not_found", "the bytes of this upload are not on this server any more; begin it again")
+        """Forget what is behind the bytes that count, and go on there."""
         os.ftruncate(self._handle, size)
         self.size = size
 

@@ -59,6 +59,7 @@ STATUS_BY_CODE: dict[str, int] = {
     "storage.full": HTTPStatus.INSUFFICIENT_STORAGE,
     "storage.low": HTTPStatus.INSUFFICIENT_STORAGE,
     "upload.busy": HTTPStatus.LOCKED,
+    "upload.elsewhere": HTTPStatus.CONFLICT,
     "upload.checksum_mismatch": CHECKSUM_MISMATCH,
     "upload.header_invalid": HTTPStatus.BAD_REQUEST,
     "upload.not_found": HTTPStatus.NOT_FOUND,
@@ -78,6 +79,7 @@ _ALWAYS_RETRYABLE = {
     "server.busy",
     "server.not_ready",
     "upload.busy",
+    "upload.elsewhere",
 }
 
 

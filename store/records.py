@@ -295,6 +295,17 @@ class UploadRow(Record):
     expires_at: Mapped[datetime] = mapped_column(Instant)
 
 
+class UploadPartRow(Record):
+    """A stretch of an upload that is a blob of its own: where API hosts share no disk."""
+
+    __tablename__ = "upload_parts"
+
+    upload_id: Mapped[str] = mapped_column(Identifier, ForeignKey(UploadRow.id, ondelete="CASCADE"), primary_key=True)
+    start: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
+    size: Mapped[int] = mapped_column(BigInteger)
+    sha256: Mapped[str] = mapped_column(Digest)
+
+
 class CallbackRow(Record):
     """What a subscriber is to be told: written with the state change it tells of, sent by a worker."""
 

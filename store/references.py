@@ -6,7 +6,7 @@ from sqlalchemy import select, union
 from sqlalchemy.orm import Session
 
 from store.database import Database
-from store.records import JobCheckpointRow, JobInputRow, JobOutputRow, MeshRow
+from store.records import JobCheckpointRow, JobInputRow, JobOutputRow, MeshRow, UploadPartRow
 
 
 class References:
@@ -16,7 +16,7 @@ class References:
         self._db = db
 
     def all(self) -> frozenset[str]:
-        """The blobs some mesh, job input, output or checkpoint refers to: what `Blobs.sweep` must keep."""
+        """The blobs some mesh, job input, output, checkpoint or upload refers to: what `Blobs.sweep` must keep."""
         with self._db.reading() as session:
             return self.seen_by(session)
 
@@ -28,5 +28,6 @@ class References:
             select(JobInputRow.sha256),
             select(JobOutputRow.sha256),
             select(JobCheckpointRow.sha256),
+            select(UploadPartRow.sha256),
         )
         return frozenset(session.scalars(query))

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from uuid import uuid4
 
 from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
 
 from core.errors import StateError
+from store.blobs import Blob
 from store.database import Database
 from store.quotas import Quotas
-from store.records import UploadRow
+from store.records import UploadPartRow, UploadRow
 from store.storable import storable, storable_text
 from store.workspace import WorkspaceId
 
@@ -72,10 +74,37 @@ class Uploads:
             row.expires_at = self._db.now(session) + timedelta(hours=self._hours)
             return _upload(row)
 
-    def finish(self, workspace: WorkspaceId, upload_id: str, mesh_id: str) -> None:
-        """A mesh was made of it. Raises StateError `upload.not_found`."""
+    def add_part(self, workspace: WorkspaceId, upload_id: str, start: int, part: Blob) -> Upload:
+        """The bytes from `start` on are that blob. Of several hosts that write at one place, one is first.
+
+        Raises StateError `upload.not_found`, `upload.offset_differs`."""
         with self._db.session() as session:
-            _known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id).mesh_id = mesh_id
+            row = _known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id)
+            if row.received != start:
+                raise StateError(
+                    "upload.offset_differs",
+                    f"another request was quicker: the server has {row.received} bytes now, not {start}",
+                    received=row.received,
+                )
+            session.add(UploadPartRow(upload_id=upload_id, start=start, size=part.size, sha256=part.sha256))
+            row.received = start + part.size
+            row.expires_at = self._db.now(session) + timedelta(hours=self._hours)
+            return _upload(row)
+
+    def parts(self, workspace: WorkspaceId, upload_id: str) -> Sequence[Blob]:
+        """In the order of their bytes. Raises StateError `upload.not_found`."""
+        with self._db.reading() as session:
+            _known(session.get(UploadRow, upload_id), workspace, upload_id)
+            query = select(UploadPartRow).where(UploadPartRow.upload_id == upload_id).order_by(UploadPartRow.start)
+            return [Blob(row.sha256, row.size) for row in session.scalars(query)]
+
+    def finish(self, workspace: WorkspaceId, upload_id: str, mesh_id: str, *, session: Session | None = None) -> None:
+        """A mesh was made of it, by `session` if there is one: its bytes never count twice. Its parts go with the next sweep.
+
+        Raises StateError `upload.not_found`."""
+        with self._db.session(session) as work:
+            _known(work.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id).mesh_id = mesh_id
+            work.execute(delete(UploadPartRow).where(UploadPartRow.upload_id == upload_id))
 
     def delete(self, workspace: WorkspaceId, upload_id: str) -> None:
         """Raises StateError `upload.not_found`."""

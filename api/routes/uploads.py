@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 import anyio
 from fastapi import APIRouter, Body, Request, Response
-from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
 from api.intake import parse, require_unit
 from api.links import link, mesh_path, upload_path
 from api.mesh_documents import describe_mesh
 from api.parameters import UploadId
-from api.partial_file import PartialFile, partial_file
+from api.partial_file import partial_file
+from api.receiving import Receiving
 from api.request_body import RequestBody
 from api.request_folder import request_folder
 from api.responses import problems
@@ -30,7 +28,6 @@ from api.tus import (
     HEADERS,
     PATCH_MEDIA_TYPE,
     VERSION,
-    Checksum,
     ChecksumDep,
     Versioned,
     expires,
@@ -38,14 +35,14 @@ from api.tus import (
     number_of,
 )
 from api.upload_form import ReceivedFile, plain_name
-from core.errors import InputError, IntegumentError, LimitError, StateError
+from api.upload_target import upload_target
+from core.errors import InputError, LimitError, StateError
 from store.meshes import MeshRecord
 from store.uploads import Upload
 from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/uploads", tags=["Uploads"])
 
-COMMIT_BYTES = 64 * 1024 * 1024  # at most that much is sent again after a crash
 DISK_FLOOR_BYTES = 256 * 1024**2
 FIELDS = ("unit", "name")
 _PATCH_BODY: dict[str, Any] = {
@@ -145,65 +142,8 @@ async def continue_upload(
     offset = number_of(request, "Upload-Offset")
     if request.headers.get("content-type") != PATCH_MEDIA_TYPE:
         raise InputError("request.media_type", f"The pieces of an upload are {PATCH_MEDIA_TYPE}")
-    receiving = _Receiving(services, workspace, upload_id, RequestBody(request), checksum)
+    receiving = Receiving(services, workspace, upload_id, RequestBody(request), checksum)
     return Response(status_code=204, headers=_progress(await receiving.run(offset)))
-
-
-class _Receiving:
-    """One PATCH request."""
-
-    def __init__(
-        self, services: Services, workspace: WorkspaceId, upload_id: str, body: RequestBody, checksum: Checksum | None
-    ) -> None:
-        self._services = services
-        self._workspace = workspace
-        self._upload_id = upload_id
-        self._body = body
-        self._checksum = checksum
-
-    async def run(self, offset: int) -> Upload:
-        """Raises StateError `upload.*`, InputError `upload.*`, LimitError `upload.too_large`, `storage.full`."""
-        try:
-            known = await run_in_threadpool(self._services.uploads.get, self._workspace, self._upload_id)
-            with partial_file(self._services.uploads_dir, known.id) as file:
-                upload = await run_in_threadpool(self._services.uploads.get, self._workspace, self._upload_id)
-                if offset != upload.received:
-                    raise StateError(
-                        "upload.offset_differs",
-                        f"Upload-Offset is {offset}, the server has {upload.received} bytes",
-                        received=upload.received,
-                    )
-                await run_in_threadpool(file.cut, upload.received)
-                return await self._receive(file, upload)
-        except IntegumentError:
-            await self._body.drain()
-            raise
-
-    async def _receive(self, file: PartialFile, upload: Upload) -> Upload:
-        digest = self._checksum.new_digest() if self._checksum is not None else None
-        committed = upload.received
-        try:
-            async for piece in self._body.pieces():
-                if file.size + len(piece) > upload.length:
-                    raise LimitError(
-                        "upload.too_large", f"{upload.length} bytes were announced, more are coming", length=upload.length
-                    )
-                if digest is not None:
-                    digest.update(piece)
-                await run_in_threadpool(file.append, piece)
-                if digest is None and file.size - committed >= COMMIT_BYTES:
-                    committed = (await run_in_threadpool(self._commit, file)).received
-        except InputError:  # the client went away: what came counts, unless it was to be checked
-            if digest is None:
-                await run_in_threadpool(self._commit, file)
-            raise
-        if self._checksum is not None and digest is not None:
-            self._checksum.require(digest)
-        return await run_in_threadpool(self._commit, file)
-
-    def _commit(self, file: PartialFile) -> Upload:
-        file.sync()
-        return self._services.uploads.advance(self._workspace, self._upload_id, file.size)
 
 
 @router.delete(
@@ -259,20 +199,17 @@ def _read_upload(services: Services, workspace: WorkspaceId, upload_id: str, wan
                 received=upload.received,
                 length=upload.length,
             )
-        file.cut(upload.length)
-        received = _received(file.path, upload, wanted)
+        path, sha256 = upload_target(services, workspace, upload, file).whole(folder)
+        fields = {**upload.fields, **wanted.model_dump(exclude_none=True)}
+        received = ReceivedFile(path, upload.file_name, upload.length, sha256, fields)
         record = services.meshes.create(
-            workspace, parse(services, received, require_unit(received), folder), reserved_bytes=upload.length
+            workspace,
+            parse(services, received, require_unit(received), folder),
+            reserved_bytes=upload.length,
+            also=lambda mesh, session: services.uploads.finish(workspace, upload_id, mesh.id, session=session),
         )
-        services.uploads.finish(workspace, upload_id, record.id)
         file.path.unlink()  # the blobs have it; the row stays, so that asking again finds the mesh
         return record
-
-
-def _received(path: Path, upload: Upload, wanted: MeshFromUpload) -> ReceivedFile:
-    with path.open("rb") as file:
-        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    return ReceivedFile(path, upload.file_name, upload.length, sha256, {**upload.fields, **wanted.model_dump(exclude_none=True)})
 
 
 def _progress(upload: Upload) -> dict[str, str]:

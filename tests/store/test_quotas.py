@@ -7,12 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from sqlalchemy.orm import Session
 
 from core.errors import IntegumentError, LimitError
 from store.blobs import Blobs
 from store.database import Database
 from store.jobs import Jobs
-from store.meshes import Meshes, MeshUpload
+from store.meshes import Meshes, MeshRecord, MeshUpload
 from store.quotas import Quotas, Usage
 from store.uploads import Uploads
 from store.workspace import DEFAULT_WORKSPACE
@@ -89,8 +90,11 @@ def test_bytes_are_those_of_files_results_and_announced_uploads(db: Database, bl
     assert len(meshes.list(DEFAULT_WORKSPACE).items) == 1
 
     # the mesh made of an upload takes the place the upload had
-    of_upload = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path, 400), reserved_bytes=announced.length)
-    uploads.finish(DEFAULT_WORKSPACE, announced.id, of_upload.id)
+    def take_its_place(made_of_it: MeshRecord, session: Session) -> None:
+        uploads.finish(DEFAULT_WORKSPACE, announced.id, made_of_it.id, session=session)
+        quotas.require_room_for_bytes(DEFAULT_WORKSPACE, 1000 - 700 - made, session)  # at no moment does it count twice
+
+    meshes.create(DEFAULT_WORKSPACE, upload(tmp_path, 400), reserved_bytes=announced.length, also=take_its_place)
     assert quotas.usage(DEFAULT_WORKSPACE).bytes == 700 + made
     meshes.delete(DEFAULT_WORKSPACE, mesh.id)
     jobs.dismiss(DEFAULT_WORKSPACE, job.id)
