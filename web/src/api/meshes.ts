@@ -1,7 +1,7 @@
 import type { ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
 import { ask, askJson } from "./server";
-import type { MeshInfo } from "./types";
+import type { MeshInfo, Vector } from "./types";
 
 /** Meshes of the server, and their triangles; those looked at last are kept. */
 
@@ -14,6 +14,14 @@ export function listMeshes(signal: AbortSignal): Promise<{ meshes: MeshInfo[]; n
 
 export async function deleteMesh(id: string): Promise<void> {
   await ask(`/v1/meshes/${id}`, { method: "DELETE" });
+}
+
+/** The boxes that `ears: "auto"` would take. */
+export async function findEars(id: string): Promise<{ name: string; box_mm: { min: Vector; max: Vector } }[]> {
+  const { ears } = await askJson<{ ears: { name: string; box_mm: { min: Vector; max: Vector } }[] }>(
+    `/v1/meshes/${id}/ears`,
+  );
+  return ears;
 }
 
 /** `href` is a reference as jobs take it: `/v1/meshes/{id}` or `/v1/jobs/{id}/results/{output}`. */

@@ -1,5 +1,6 @@
 import type { Job, MeshInfo, Schema } from "../api/types";
 import type { Bounds } from "../mesh/triangles";
+import { AutoRegionsInput } from "./auto_regions_input";
 import { DepthsInput } from "./depths_input";
 import { LayersTable } from "./layers_table";
 import { NumberInput } from "./number_input";
@@ -13,7 +14,7 @@ import {
 } from "./references_input";
 import { RegionsInput } from "./regions_input";
 import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
-import { asDepths, asLayers, asRegions, type Reference } from "./values";
+import { asDepths, asLayers, asRegions, type Reference, type Region } from "./values";
 
 /** What controls may need to know besides their own value. */
 export interface FormContext {
@@ -22,6 +23,10 @@ export interface FormContext {
   layers: readonly string[];
   arrays: readonly string[];
   bounds: Bounds | null;
+  findEars: (() => Promise<Region[]>) | null;
+  onLook: (point: [number, number, number]) => void;
+  /** Boxes to be shown that are not the user's. */
+  onPreview: (regions: Region[]) => void;
 }
 
 interface FieldProps {
@@ -116,34 +121,25 @@ function Control({
           regions={asRegions(value ?? fallback)}
           layers={context.layers}
           bounds={context.bounds}
+          onLook={context.onLook}
           onRegions={onValue}
         />
       );
-    case "auto_or_regions": {
-      const boxes = Array.isArray(value);
+    case "auto_or_regions":
       return (
-        <div class="stack">
-          <div class="row">
-            <label class="row">
-              <input type="radio" name={id} checked={!boxes} onChange={() => onValue(undefined)} /> Find them (auto)
-            </label>
-            <label class="row">
-              <input type="radio" name={id} checked={boxes} onChange={() => onValue([])} /> Boxes
-            </label>
-          </div>
-          {boxes && (
-            <RegionsInput
-              what={name === "ears" ? "ear" : "region"}
-              schema={regionSchema(schema)!}
-              regions={asRegions(value)}
-              layers={context.layers}
-              bounds={context.bounds}
-              onRegions={onValue}
-            />
-          )}
-        </div>
+        <AutoRegionsInput
+          id={id}
+          what={name === "ears" ? "ear" : "region"}
+          schema={regionSchema(schema)!}
+          value={value}
+          layers={context.layers}
+          bounds={context.bounds}
+          find={name === "ears" ? context.findEars : null}
+          onLook={context.onLook}
+          onPreview={context.onPreview}
+          onValue={onValue}
+        />
       );
-    }
     case "depths":
       return (
         <DepthsInput

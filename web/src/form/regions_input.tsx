@@ -14,6 +14,7 @@ export function RegionsInput(props: {
   regions: Region[];
   layers: readonly string[];
   bounds: Bounds | null;
+  onLook: (point: [number, number, number]) => void;
   onRegions: (regions: Region[]) => void;
 }) {
   const { what, schema, regions, layers, bounds, onRegions } = props;
@@ -32,6 +33,14 @@ export function RegionsInput(props: {
               size={16}
               onInput={(event) => change(at, { name: event.currentTarget.value })}
             />
+            <button
+              type="button"
+              class="quiet"
+              aria-label={`Look at ${region.name}`}
+              onClick={() => props.onLook(middleOf(region))}
+            >
+              Look
+            </button>
             <button
               type="button"
               class="quiet"
@@ -92,6 +101,10 @@ export function RegionsInput(props: {
       </div>
     </div>
   );
+}
+
+export function middleOf({ box_mm: { min, max } }: Region): [number, number, number] {
+  return [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
 }
 
 /** A box in the middle of the body, a fifth of its size, to be dragged from there. */

@@ -1,13 +1,13 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { execute, listJobs } from "../api/jobs";
-import { listMeshes } from "../api/meshes";
+import { findEars, listMeshes } from "../api/meshes";
 import { askJson, ServerError } from "../api/server";
 import type { Process, ProcessSummary } from "../api/types";
 import { Field, type FormContext } from "../form/field";
 import { PRESETS } from "../form/presets";
 import { hrefOf } from "../form/references_input";
 import { kindOf, withoutEmpty } from "../form/schema_kind";
-import { asLayers, asRegions } from "../form/values";
+import { asLayers, asRegions, type Region } from "../form/values";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
 import { useTriangles } from "../parts/triangles_of";
@@ -15,6 +15,7 @@ import { ViewerPane } from "../parts/viewer_pane";
 import { goTo } from "../router";
 import { tissueColours } from "../tissues";
 import type { RegionBox, Surface } from "../viewer/surface";
+import type { Viewer } from "../viewer/viewer";
 
 /** Set up a job: the form is made from the process' own description. */
 export function NewJobPage({ query }: { query: URLSearchParams }) {
@@ -33,6 +34,8 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   );
   const [sending, setSending] = useState(false);
   const [error, setError] = useState<unknown>(null);
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [preview, setPreview] = useState<Region[]>([]);
   const inputs = process.value?.inputs;
   const wantedMesh = query.get("mesh");
 
@@ -87,15 +90,17 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     ["regions", "auto_or_regions"].includes(kindOf(one.schema)),
   );
   const boxes = useMemo<(RegionBox & { input: string; at: number })[]>(
-    () =>
-      boxed.flatMap(([input]) =>
+    () => [
+      ...boxed.flatMap(([input]) =>
         asRegions(values[input]).map((region, at) => ({ name: region.name, ...region.box_mm, input, at })),
       ),
-    [values, inputs],
+      ...preview.map((region) => ({ name: region.name, ...region.box_mm, input: "", at: 0, fixed: true })),
+    ],
+    [values, inputs, preview],
   );
   const moveBox = (number: number, box: RegionBox) => {
     const one = boxes[number];
-    if (!one) return;
+    if (!one?.input) return;
     const { min, max } = box;
     set(
       one.input,
@@ -111,6 +116,9 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
       : [],
     arrays: mesh?.arrays.map((array) => array.name) ?? [],
     bounds: shown ? { min: shown.min, max: shown.max } : null,
+    findEars: mesh ? () => findEars(mesh.id) : null,
+    onLook: (point) => viewer?.flyTo(point),
+    onPreview: setPreview,
   };
   const start = async () => {
     setSending(true);
@@ -140,11 +148,12 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             surfaces={surfaces}
             boxes={boxes}
             onBox={moveBox}
+            onViewer={setViewer}
             loading={shownHref && !shown && triangles.loading && !triangles.failure ? "Loading the mesh…" : ""}
             failure={triangles.failure}
             empty="Choose a mesh to see it here."
           />
-          {boxes.length > 0 && (
+          {boxes.some((box) => !box.fixed) && (
             <p class="muted small">Pull at the round handles to move a side of a box, or type its corners.</p>
           )}
         </div>

@@ -25,6 +25,7 @@ interface Handle {
 
 const LEAST_MM = 0.5;
 const HANDLE_SHARE = 0.007; // of the distance to the camera
+const OF_BOX = 0.06; // a handle larger than that hides a small box from afar
 
 export class RegionBoxes {
   readonly group = new Group();
@@ -48,6 +49,7 @@ export class RegionBoxes {
       faint.position.set(...centre);
       faint.renderOrder = 900;
       this.group.add(edges, faint);
+      if (box.fixed) return;
       for (const axis of [0, 1, 2] as const) {
         for (const end of ["min", "max"] as const) {
           const handle = new Mesh(
@@ -64,10 +66,13 @@ export class RegionBoxes {
     });
   }
 
-  /** Handles keep their size on the screen. */
+  /** Handles keep their size on the screen, as long as their box is larger. */
   scaleTo(camera: PerspectiveCamera): void {
-    for (const handle of this.handles)
-      handle.scale.setScalar(HANDLE_SHARE * handle.position.distanceTo(camera.position));
+    for (const handle of this.handles) {
+      const { min, max } = this.boxes[(handle.userData as Handle).box]!;
+      const most = OF_BOX * Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
+      handle.scale.setScalar(Math.min(HANDLE_SHARE * handle.position.distanceTo(camera.position), most));
+    }
   }
 
   /** True if a handle was taken hold of. */

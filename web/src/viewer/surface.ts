@@ -40,6 +40,8 @@ export interface Marker {
 
 export interface RegionBox {
   name: string;
+  /** Only to be looked at. */
+  fixed?: boolean;
   min: Point;
   max: Point;
 }

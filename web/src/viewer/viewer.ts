@@ -158,11 +158,12 @@ export class Viewer {
     this.draw();
   }
 
-  /** Close to one place, from the side the camera is on. */
+  /** Close to one place, from beside it, outside the body. */
   flyTo(point: Point): void {
     const target = new Vector3(...point);
     const direction = new Vector3().subVectors(target, this.centre);
-    if (direction.lengthSq() < 1e-9) direction.subVectors(this.camera.position, this.controls.target);
+    direction.addScaledVector(this.camera.up, -direction.dot(this.camera.up));
+    if (direction.length() < 0.02 * this.radius) direction.subVectors(this.camera.position, this.controls.target);
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction.normalize(), 0.25 * this.radius);
     this.controls.update();
