@@ -16,6 +16,7 @@ class CallbackEvent(StrEnum):
     IN_PROGRESS = "inProgress"  # an attempt started
     SUCCESS = "success"
     FAILED = "failed"
+    DISMISSED = "dismissed"  # goes where failures go: OGC has no address for it, and a pipeline waits for an end
 
 
 class CallbackState(StrEnum):
@@ -41,6 +42,7 @@ class Subscriber:
             CallbackEvent.SUCCESS: self.success_uri,
             CallbackEvent.IN_PROGRESS: self.in_progress_uri,
             CallbackEvent.FAILED: self.failed_uri,
+            CallbackEvent.DISMISSED: self.failed_uri,
         }[event]
 
     def describe(self) -> dict[str, str | None]:

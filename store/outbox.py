@@ -17,11 +17,12 @@ EVENTS = {
     JobStatus.RUNNING: CallbackEvent.IN_PROGRESS,
     JobStatus.SUCCESSFUL: CallbackEvent.SUCCESS,
     JobStatus.FAILED: CallbackEvent.FAILED,
+    JobStatus.DISMISSED: CallbackEvent.DISMISSED,
 }
 
 
 def tell_subscriber(session: Session, row: JobRow, now: datetime) -> None:
-    """Write down what is to be sent now that the job has this status. Whoever dismissed a job knows it: that is not told."""
+    """Write down what is to be sent now that the job has this status."""
     event = EVENTS.get(JobStatus(row.status))
     if row.subscriber is None or event is None:
         return

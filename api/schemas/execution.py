@@ -20,7 +20,7 @@ class SubscriberRequest(Document):
 
     success_uri: str = Field(alias="successUri", description="Told when the job is successful; https")
     in_progress_uri: str | None = Field(None, alias="inProgressUri", description="Told when an attempt starts")
-    failed_uri: str | None = Field(None, alias="failedUri", description="Told when the job has failed")
+    failed_uri: str | None = Field(None, alias="failedUri", description="Told when the job has failed or was dismissed")
 
 
 class ExecuteRequest(Document):

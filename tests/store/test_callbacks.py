@@ -77,7 +77,8 @@ def test_each_change_is_told_once(jobs: Jobs, callbacks: Callbacks) -> None:
         f"http://127.0.0.1:8000/v1/jobs/{job.id}",
         f"http://127.0.0.1:8000/v1/jobs/{job.id}/results",
     ]
-    assert not finish(jobs, job)  # a stale write tells nothing
+    assert finish(jobs, job), "the same word again"
+    assert not jobs.renew(job.id, job.lease_token, 30.0).kept
     assert told(callbacks, job) == [IN_PROGRESS, SUCCESS]
 
 
@@ -108,12 +109,20 @@ def test_who_did_not_ask_is_not_told(jobs: Jobs, callbacks: Callbacks, subscribe
     assert told(callbacks, job) == []
 
 
-def test_a_dismissal_is_not_told_and_a_removed_job_takes_its_callbacks_along(jobs: Jobs, callbacks: Callbacks) -> None:
+def test_a_dismissal_is_told_as_the_end_it_is_and_a_removed_job_takes_its_callbacks_along(
+    jobs: Jobs, callbacks: Callbacks
+) -> None:
     job = running(jobs)
     jobs.dismiss(DEFAULT_WORKSPACE, job.id)
     jobs.confirm_dismissed(job.id, job.lease_token)
-    assert told(callbacks, job) == [IN_PROGRESS]
-    jobs.dismiss(DEFAULT_WORKSPACE, job.id)
+    _, ended = callbacks.of_job(DEFAULT_WORKSPACE, job.id)
+    assert (ended.event, ended.uri) == (CallbackEvent.DISMISSED, "https://a.example/f")
+    assert json.loads(ended.body)["status"] == "dismissed"
+    waiting = jobs.create(DEFAULT_WORKSPACE, "validate", {}, subscriber=EVERYWHERE)
+    jobs.dismiss(DEFAULT_WORKSPACE, waiting.id)
+    assert told(callbacks, waiting) == [CallbackEvent.DISMISSED]
+    for one in (job, waiting):
+        jobs.dismiss(DEFAULT_WORKSPACE, one.id)
     assert callbacks.claim(30.0, MAX_ATTEMPTS) is None
     with pytest.raises(StateError, match="no job"):
         callbacks.of_job(DEFAULT_WORKSPACE, job.id)
