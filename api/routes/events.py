@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass
@@ -15,7 +16,10 @@ from api.access import Access, AccessDep
 from api.parameters import JobId
 from api.responses import problems
 from api.services import Services, ServicesDep
+from core.errors import InternalError
 from store.events import Event
+
+logger = logging.getLogger(__name__)
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["Jobs"])
 
@@ -70,6 +74,17 @@ async def stream_events(
 ) -> AsyncIterator[ServerSentEvent]:
     """The events of a job from the first, or after the last one seen. The stream ends with `done`."""
     yield ServerSentEvent(retry=RETRY_MS, comment="events of a job")
+    try:
+        async for told in _events_of(stream, services):
+            yield told
+    except InternalError as error:
+        if error.code != "database.unavailable":
+            raise
+        # the head was sent long ago; whoever listens comes back to where he was
+        logger.warning("the events of job %s break off: %s", stream.job_id, error)
+
+
+async def _events_of(stream: _Stream, services: Services) -> AsyncIterator[ServerSentEvent]:
     seen, looked_at = stream.after, time.monotonic()
     with services.watch.watching(stream.job_id) as job:
         while not services.drain.begun:

@@ -17,6 +17,7 @@ from store.job import Job, JobFailure
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
+from tests.postgres import running_postgres
 
 Event = tuple[int, str, dict[str, Any]]
 
@@ -147,6 +148,19 @@ def test_a_removed_job_ends_its_stream(api: Live) -> None:
         api.services.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
         api.services.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
         assert [kind for _, kind, _ in events] in (["done"], [])
+
+
+def test_a_database_that_goes_away_ends_the_stream_in_good_order(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    with (
+        running_postgres() as server,
+        serving(Settings(data_dir=tmp_path, database_url=server.new_database(), event_poll_s=0.05)) as live,
+    ):
+        with streamed(live, live.running()) as (_, events):
+            assert [next(events)[1] for _ in range(2)] == ["status", "status"]
+            server.kill()
+            assert list(events) == []  # a connection that broke would raise
+        assert "break off" in caplog.text
+        server.start()
 
 
 def test_open_streams_and_long_polls_do_not_hold_up_the_end(tmp_path: Path) -> None:
