@@ -74,6 +74,11 @@ class Child:
         self._peak_bytes = max(self._peak_bytes, present)
         return present
 
+    @property
+    def peak_bytes(self) -> int:
+        """The most `memory_bytes` has seen."""
+        return self._peak_bytes
+
     def kill(self) -> None:
         """SIGKILL to the child and everything it started; the outcome follows. Harmless when it has ended."""
         if not self._ended:

@@ -62,10 +62,11 @@ class Claims:
         phase: str | None = None,
         message: str | None = None,
         events: Iterable[NewEvent] = (),
+        peak_memory_bytes: int | None = None,
     ) -> Renewal:
         """Keep the lease and say how far the job is; what is None stays as it was.
 
-        A change appends a `progress` event (after `events`). Progress never goes back within one attempt."""
+        The memory is all that is known of an attempt whose worker is lost. A change appends a `progress` event (after `events`). Progress never goes back within one attempt."""
         with self._db.session() as session:
             row = held(session, job_id, token)
             if row is None:
@@ -77,6 +78,7 @@ class Claims:
                 row.progress = max(row.progress, min(max(float(progress), 0.0), 100.0))
             row.phase = row.phase if phase is None else storable_text(phase)
             row.message = row.message if message is None else storable_text(message)
+            row.peak_memory_bytes = peak_memory_bytes or row.peak_memory_bytes
             if before != (row.progress, row.phase, row.message):
                 data = {"progress": row.progress, "phase": row.phase, "message": row.message}
                 append_events(session, row, [("progress", data)], now)

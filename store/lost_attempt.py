@@ -74,7 +74,7 @@ def record_loss(session: Session, row: JobRow, code: str, message: str, words: L
             signal=words.signal,
             phase=row.phase if words.phase is None else storable_text(words.phase),
             progress=row.progress,
-            peak_memory_bytes=words.peak_memory_bytes,
+            peak_memory_bytes=words.peak_memory_bytes or row.peak_memory_bytes,
             log=storable_text(words.log, MAX_LOG),
             started_at=row.started_at,
             ended_at=now,

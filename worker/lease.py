@@ -36,6 +36,7 @@ class Lease:
         self._job = job
         self._progress = progress
         self._tried_at = time.monotonic()  # the claim
+        self.peak_bytes = 0  # of the child's memory, as far as anybody looked
 
     def beat(self) -> None:
         """Renew if due. Raises LeaseLostError, DismissedError, ToldToStopError: end the child and leave.
@@ -67,6 +68,7 @@ class Lease:
             phase=news.phase,
             message=news.message,
             events=news.events,
+            peak_memory_bytes=self.peak_bytes or None,
         )
         self._progress.told(news)
         if not renewal.kept:

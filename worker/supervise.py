@@ -104,6 +104,7 @@ class _Attempt:
                 for message in child.events(WATCH_S):
                     self._progress.hear(message)
                     self._steps.hear(message)
+                self._lease.peak_bytes = child.peak_bytes
                 self._lease.beat()
                 cap_log(folder)
                 if overrun is None and (overrun := find_overrun(child)) is not None:

@@ -29,7 +29,7 @@ def parked(db: Database) -> Parked:
 def claim(jobs: Jobs, job: Job, attempt: int, worker: str = "host:1") -> Job:
     claimed = jobs.claim(job.id, attempt, worker, 30)
     assert claimed is not None
-    jobs.renew(claimed.id, claimed.lease_token, 30, progress=40, phase="shells: fat")
+    jobs.renew(claimed.id, claimed.lease_token, 30, progress=40, phase="shells: fat", peak_memory_bytes=2**30)
     return claimed
 
 
@@ -74,6 +74,7 @@ def test_two_losses_park_the_request_with_its_evidence(jobs: Jobs, db: Database,
     assert one.started_at is not None
     assert one.started_at <= one.ended_at
     assert (two.attempt, two.worker, two.code, two.signal, two.log) == (2, "other:2", "worker.lost", None, "")
+    assert two.peak_memory_bytes == 2**30, "as the last heartbeat told"
 
     with pytest.raises(StateError, match="took down 2 worker"):
         limited(db).retry(DEFAULT_WORKSPACE, job.id)

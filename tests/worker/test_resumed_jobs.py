@@ -168,6 +168,7 @@ def test_the_kill_of_a_worker_costs_one_step(service: Service) -> None:
     job = service.submit("steps", end="sleep")
     workshop = Workshop.open(service.settings, target="tests.worker.targets:run")
     wait_for(lambda: workshop.checkpoints.of(job.id), service.log)
+    wait_for(lambda: service.jobs.get(DEFAULT_WORKSPACE, job.id).peak_memory_bytes, service.log)
     owner = str(service.jobs.get(DEFAULT_WORKSPACE, job.id).lease_owner)
     pid = int(owner.rpartition(":")[2])
     os.kill(pid, signal.SIGKILL)
@@ -179,4 +180,5 @@ def test_the_kill_of_a_worker_costs_one_step(service: Service) -> None:
     assert TAKEN in lines(service, job)
     [lost] = Parked(service.db).attempts(DEFAULT_WORKSPACE, job.id)
     assert (lost.worker, lost.code, lost.attempt) == (owner, "worker.lost", 1)
+    assert lost.peak_memory_bytes is not None, "as the last heartbeat told"
     workshop.close()
