@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import json
 from bisect import bisect_left
 from collections import defaultdict
@@ -40,7 +41,9 @@ class Tally:
         self._sums[Cell(family.name, _plain(labels))] += number
 
     def observe(self, family: Family, *labels: str, value: float) -> None:
-        """Add one value to a histogram."""
+        """Add one value to a histogram; what is no finite number is left out, so that it spoils no write of a job."""
+        if not math.isfinite(value):
+            return
         plain = _plain(labels)
         self._sums[Cell(family.name, plain, str(bisect_left(family.buckets, value)))] += 1.0
         self._sums[Cell(family.name, plain, SUM)] += value
