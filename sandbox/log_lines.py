@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from typing import IO, Any
 
 MAX_MESSAGE = 16_000  # characters; a line must fit into what collects it
 LOG_FORMAT = "INTEGUMENT_LOG_FORMAT"  # the variable; it is no secret, so the nursery may know it
+_UNPRINTABLE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")  # not tab and line feed: tracebacks
 FIELDS = "fields"  # of a record: what `logger.info(..., extra={"event": ..., "fields": {...}})` adds to the line
 
 Redact = Callable[[str], str]
@@ -71,8 +73,8 @@ class TextLines(logging.Formatter):
         return super().formatMessage(record) + (f" [{known}]" if known else "")
 
     def format(self, record: logging.LogRecord) -> str:
-        """The line, secrets taken out of it and of the traceback."""
-        return self._redact(super().format(record))
+        """The line, secrets taken out of it and of the traceback; a terminal gets no commands out of a user's file or name."""
+        return _UNPRINTABLE.sub(lambda found: ascii(found[0])[1:-1], self._redact(super().format(record)))
 
 
 def configure_logging(form: str, redact: Redact, stream: IO[str] | None = None) -> None:
@@ -83,6 +85,7 @@ def configure_logging(form: str, redact: Redact, stream: IO[str] | None = None) 
     handler.setFormatter(TextLines(redact) if is_text else JsonLines(redact))
     logging.basicConfig(level=logging.INFO, handlers=[handler], force=True)
     logging.captureWarnings(True)
+    logging.getLogger("alembic.runtime.plugins").setLevel(logging.WARNING)  # lists itself whenever it is loaded
     sys.excepthook = _log_uncaught
 
 

@@ -100,3 +100,10 @@ def test_a_program_says_it_in_its_form_even_at_its_end(form: str, is_json: bool)
     else:
         assert "INFO root: up" in lines[0]
         assert lines[-1] == "RuntimeError: on purpose"
+
+
+def test_a_terminal_gets_no_commands_out_of_what_users_send() -> None:
+    told = "skin\x1b[2J\x1b]0;owned\x07\r\u202egpj.stl\x9b"
+    record = logging.LogRecord("api", logging.INFO, "", 0, "mesh %s\n\tkept", (told,), None)
+    line = TextLines(lambda text: text).format(record)
+    assert line.endswith("mesh skin\\x1b[2J\\x1b]0;owned\\x07\\r\\u202egpj.stl\\x9b\n\tkept")
