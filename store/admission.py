@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from datetime import datetime
 
-from sqlalchemy import Select, exists, func, select, update
+from sqlalchemy import Select, and_, exists, func, or_, select, update
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 from sqlalchemy.orm import Session, aliased
@@ -39,9 +40,11 @@ class Admission:
             running = [_running(*told, room=room) for told in session.execute(_RUNNING)]
             heads = [head for queue in sorted(room.queues) for head in _heads(session, queue, room)]
             limits = largest_admitted(room, heads, running, now)
-            for head in in_turn(heads, running):
-                if head.queue not in limits:
-                    continue
+            due = [head for head in in_turn(heads, running) if head.queue in limits]
+            fits = any(head.need_bytes <= limits[head.queue] for head in due)
+            if not due or not (fits or _anything_fits(session, limits)):
+                return None
+            for head in due:
                 first = session.execute(_first_fitting(head, limits[head.queue], room)).one_or_none()
                 if first is None:
                     continue
@@ -95,6 +98,12 @@ def _heads(session: Session, queue: JobQueue, room: Room) -> list[Head]:
         Head(row.id, row.workspace, queue, row.queued_at, room.need_bytes(row.expected_memory_bytes), row.served_at)
         for row in told
     ]
+
+
+def _anything_fits(session: Session, limits: Mapping[JobQueue, int]) -> bool:
+    """Asked once where no head fits, instead of once for each workspace."""
+    fits = or_(*(and_(JobRow.queue == queue, JobRow.expected_memory_bytes <= limit) for queue, limit in limits.items()))
+    return bool(session.execute(select(exists().where(JobRow.status == JobStatus.ACCEPTED, fits))).scalar_one())
 
 
 def _first_fitting(head: Head, limit_bytes: int, room: Room) -> Select[str, int]:
