@@ -28,7 +28,7 @@ class HttpTally:
         self._metrics = metrics
         self._tally = Tally()
         self._lock = threading.Lock()
-        self._periodic = Periodic("request counts", self.flush, WRITE_S)
+        self._periodic = Periodic("request counts", self._write, WRITE_S)
 
     def start(self) -> None:
         """Begin to write."""
@@ -48,6 +48,11 @@ class HttpTally:
             self._tally.observe(HTTP_S, method, route, value=seconds)
             if code is not None and code.startswith(REFUSING):
                 self._tally.count(REFUSALS, code)
+
+    def _write(self) -> None:
+        """Folding is the workers' round, too; without one the rows of this process alone would pile up."""
+        self.flush()
+        self._metrics.fold()
 
     def flush(self) -> None:
         """Write what was noted; what the database does not take is kept. Raises InternalError `database.unavailable`."""
