@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from starlette.concurrency import run_in_threadpool
 
 from api.partial_file import partial_file
@@ -47,7 +49,8 @@ class Receiving:
 
     async def _receive(self, target: UploadTarget, upload: Upload) -> Upload:
         digest = self._checksum.new_digest() if self._checksum is not None else None
-        kept = upload.received
+        begun_at = upload.received
+        keeping: asyncio.Task[Upload] | None = None
         try:
             async for piece in self._body.pieces():
                 if target.received + len(piece) > upload.length:
@@ -57,12 +60,28 @@ class Receiving:
                 if digest is not None:
                     digest.update(piece)
                 await run_in_threadpool(target.append, piece)
-                if digest is None and target.received - kept >= target.kept_every_bytes:
-                    kept = (await run_in_threadpool(target.keep)).received
+                if digest is None and target.received - begun_at >= target.kept_every_bytes:
+                    if keeping is not None:
+                        await keeping
+                    begun_at = target.received
+                    keeping = asyncio.create_task(run_in_threadpool(target.keep))
+                    if not target.keeps_beside:
+                        await keeping
         except InputError:  # the client went away: what came counts, unless it was to be checked
             if digest is None:
+                await _done(keeping)
                 await run_in_threadpool(target.keep)
             raise
+        finally:
+            await _done(keeping)  # before anybody closes the file
+        if keeping is not None:
+            await keeping
         if self._checksum is not None and digest is not None:
             self._checksum.require(digest)
         return await run_in_threadpool(target.keep)
+
+
+async def _done(task: asyncio.Task[Upload] | None) -> None:
+    """Over, well or not."""
+    if task is not None:
+        await asyncio.wait([task])

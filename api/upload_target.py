@@ -17,9 +17,12 @@ PART_BYTES = 32 * 1024 * 1024  # the same where each part is an object of its ow
 
 
 class UploadTarget(Protocol):
-    """Of one request, with the upload's file of this host locked. `received`: bytes that are here, kept or not."""
+    """Of one request, with the upload's file of this host locked. `received`: bytes that are here, kept or not.
+
+    keeps_beside: `append` may go on in another thread while `keep` is at work."""
 
     kept_every_bytes: int
+    keeps_beside: bool
     received: int
 
     def begin(self) -> None:
@@ -45,6 +48,7 @@ class HostFile:
     """One growing file in the data folder; its bytes are on the disk before they are acknowledged."""
 
     kept_every_bytes = KEPT_BYTES
+    keeps_beside = True  # or the network would wait for the disk, and then the disk for the network
 
     def __init__(self, services: Services, workspace: WorkspaceId, upload: Upload, file: PartialFile) -> None:
         self._uploads = services.uploads
@@ -71,8 +75,9 @@ class HostFile:
 
     def keep(self) -> Upload:
         """As `UploadTarget` says."""
+        size = self._file.size  # what comes meanwhile counts the next time
         self._file.sync()
-        return self._uploads.advance(self._workspace, self._upload.id, self._file.size)
+        return self._uploads.advance(self._workspace, self._upload.id, size)
 
     def whole(self, folder: Path) -> tuple[Path, str]:
         """As `UploadTarget` says."""
@@ -86,6 +91,7 @@ class StoredParts:
     """Each stretch of bytes becomes a blob before it is acknowledged, so the next request may go to any host."""
 
     kept_every_bytes = PART_BYTES
+    keeps_beside = False
 
     def __init__(self, services: Services, workspace: WorkspaceId, upload: Upload, file: PartialFile) -> None:
         self._uploads = services.uploads

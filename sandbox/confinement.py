@@ -8,6 +8,7 @@ import os
 import resource
 import signal
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from sandbox.call_filter import refuse_calls
@@ -34,6 +35,7 @@ LOG_NAME = "child.log"
 CPU_GRACE_S = 5  # between SIGXCPU and SIGKILL
 MEMORY_RESERVE_BYTES = 64 * MIB  # address space kept back so that "out of memory" can still be said
 OOM_SCORE = "500"  # the kernel shall take the child first, never the worker
+NICENESS = 10
 
 
 def tie_to(nursery_pid: int) -> None:
@@ -45,6 +47,14 @@ def tie_to(nursery_pid: int) -> None:
     set_process_flag(PR_SET_NO_NEW_PRIVS, 1)
     set_process_flag(PR_SET_CHILD_SUBREAPER, 1)  # whatever it starts stays below it until it ends
     Path("/proc/self/oom_score_adj").write_text(OOM_SCORE)
+    give_way()
+
+
+def give_way() -> None:
+    """Whoever computes for minutes steps back behind those who answer: API, worker and databases."""
+    os.nice(NICENESS)
+    with suppress(OSError):  # by sessions the kernel shares the processor out first, where it is built so; ours is one of its own
+        Path("/proc/self/autogroup").write_text(str(NICENESS))
 
 
 def keep_only(events: int, scratch: Path) -> None:

@@ -37,6 +37,7 @@ def describe_surroundings(payload: Payload, channel: Channel) -> Payload:
         "open_files": resource.getrlimit(resource.RLIMIT_NOFILE)[0],
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "oom_score": int(Path("/proc/self/oom_score_adj").read_text()),
+        "niceness": os.getpriority(os.PRIO_PROCESS, 0),
         "network": os.readlink("/proc/self/ns/net"),
     }
 
