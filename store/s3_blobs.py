@@ -32,6 +32,7 @@ T = TypeVar("T")
 PART_BYTES = 64 * 1024 * 1024
 CONNECT_S, READ_S, ATTEMPTS = 5, 60, 4
 SWEEP_BATCH = 50
+PARTS_S = 86_400.0  # a file that takes longer to be sent has no sender any more
 TOUCHED = "touched/"
 DIGEST_LETTERS = 64
 MISSING_CODES = frozenset({"404", "NoSuchKey", "NotFound"})
@@ -168,7 +169,7 @@ class S3Blobs:
             with self._lock.held(alone=True):
                 swept += [blob for blob in some if self._is_old(blob, before) and self.delete(blob.sha256)]
         self._forget_touches(before)
-        self._abort_parts(before)
+        self._abort_parts(min(before, datetime.now(UTC) - timedelta(seconds=PARTS_S)))
         return swept
 
     def _abort_parts(self, before: datetime) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import delete, exists, select, update
 
 from store.database import Database
 from store.job import JobStatus
-from store.records import CallbackRow, IdempotencyRow, JobRow, UploadRow
+from store.records import CallbackRow, IdempotencyRow, JobRow, UploadPartRow, UploadRow
 from store.transition import end_dismissed, queue_again
 
 
@@ -23,6 +23,7 @@ def revive(db: Database) -> int:
         session.flush()
         session.execute(update(JobRow).where(JobRow.status == JobStatus.ACCEPTED).values(rung_at=None))
         session.execute(update(CallbackRow).values(lease_until=None))
-        session.execute(delete(UploadRow).where(UploadRow.mesh_id.is_(None)))  # their bytes were with the old server
+        in_store = exists().where(UploadPartRow.upload_id == UploadRow.id)  # else the pieces were on the disk of the old server
+        session.execute(delete(UploadRow).where(UploadRow.mesh_id.is_(None), ~in_store))
         session.execute(delete(IdempotencyRow).where(IdempotencyRow.reply.is_(None)))
         return len(rows)
