@@ -16,7 +16,7 @@ from store.tally import Tally
 WRITE_S = 5.0
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 NO_ROUTE = "none"
-REFUSING = ("access.", "rate.", "quota.", "request.host_", "request.origin_")
+REFUSING = ("access.", "rate.", "quota.", "request.host_refused", "request.origin_refused")
 
 logger = logging.getLogger(__name__)
 

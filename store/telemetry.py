@@ -49,7 +49,7 @@ class Span:
             from opentelemetry.trace import StatusCode
 
             self._told.set_status(StatusCode.ERROR, code)
-            self._told.set_attribute("error.type", code)
+            self.note(error__type=code)
 
 
 def start_telemetry(part: str) -> bool:
