@@ -35,7 +35,7 @@ LOG_NAME = "child.log"
 CPU_GRACE_S = 5  # between SIGXCPU and SIGKILL
 MEMORY_RESERVE_BYTES = 64 * MIB  # address space kept back so that "out of memory" can still be said
 OOM_SCORE = "500"  # the kernel shall take the child first, never the worker
-NICENESS = 10
+NICENESS = 5  # a third of the share of others, not less: children of an overloaded host must get on, too
 
 
 def tie_to(nursery_pid: int) -> None:
