@@ -201,5 +201,6 @@ class Jobs(Admission, Claims, Reconciliation):
             if self._quotas is not None:
                 require_not_parked(work, workspace, row.fingerprint)
             row.max_attempts = max(row.max_attempts, row.attempt + 1)
-            queue_again(work, row, row.attempt + 1, "waits for a worker, retried on request", self._db.now(work))
+            row.queued_at = now = self._db.now(work)  # who asks once more waits once more
+            queue_again(work, row, row.attempt + 1, "waits for a worker, retried on request", now)
             return snapshot(row)

@@ -84,11 +84,13 @@ def announce(session: Session, row: JobRow, now: datetime) -> None:
 
 
 def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: datetime) -> None:
-    """Back to accepted, and due to ring at once; a retry forgets the earlier result."""
+    """Back to accepted, and due to ring at once; a retry forgets the earlier result.
+
+    It keeps its place in the queue: whoever lost a worker has waited already."""
     row.status, row.attempt, row.phase, row.progress, row.message = JobStatus.ACCEPTED, attempt, "", 0.0, message
     row.lease_owner = row.lease_until = row.rung_at = row.finished_at = row.started_at = None
     row.failure = row.verdict = row.summary = row.peak_memory_bytes = None
-    row.timings_s, row.queued_at = {}, now
+    row.timings_s = {}
     drop_outputs(row)
     announce(session, row, now)
 

@@ -29,6 +29,16 @@ def test_a_lost_job_waits_for_its_next_attempt(jobs: Jobs) -> None:
     assert jobs.expire_leases(datetime.now(UTC) + timedelta(seconds=60)) == []
 
 
+def test_a_lost_job_keeps_its_place_and_a_retried_one_goes_to_the_end(jobs: Jobs) -> None:
+    lost = claimed(jobs)
+    waiting = jobs.create(DEFAULT_WORKSPACE, "shells", {})
+    jobs.expire_leases(datetime.now(UTC) + timedelta(seconds=60))
+    assert [jobs.queue_position(DEFAULT_WORKSPACE, job.id) for job in (lost, waiting)] == [1, 2]
+    jobs.dismiss(DEFAULT_WORKSPACE, lost.id)
+    jobs.retry(DEFAULT_WORKSPACE, lost.id)
+    assert [jobs.queue_position(DEFAULT_WORKSPACE, job.id) for job in (lost, waiting)] == [2, 1]
+
+
 def test_a_renewed_lease_outlives_the_first(jobs: Jobs) -> None:
     job = claimed(jobs)
     jobs.renew(job.id, job.lease_token, 3600.0)

@@ -49,7 +49,8 @@ class Census:
     left_processes: list[str] = field(default_factory=list)
     stumbles: list[str] = field(default_factory=list)
     client_errors: list[str] = field(default_factory=list)
-    recoveries_s: list[float] = field(default_factory=list)
+    requeued_s: list[float] = field(default_factory=list)
+    recovered_s: list[float] = field(default_factory=list)
 
     def wrong(self) -> dict[str, list[str]]:
         """What must not be, by name."""
@@ -125,16 +126,15 @@ def count_jobs(
 
 
 def measure_recoveries(census: Census, premises: Premises, robbed: Iterable[tuple[str, datetime]]) -> None:
-    """From the kill of a worker to the moment somebody else has its job."""
+    """From the kill of a worker until its job waits again, and until somebody else has it."""
     database = Database(premises.direct)
     try:
         with database.reading() as session:
             for job, killed_at in robbed:
                 query = select(EventRow).where(EventRow.job_id == job, EventRow.at > killed_at).order_by(EventRow.seq)
-                for event in session.scalars(query):
-                    if event.type == "done" or event.data.get("status") == JobStatus.RUNNING:
-                        census.recoveries_s.append((event.at - killed_at).total_seconds())
-                        break
+                told = [(event.data.get("status"), (event.at - killed_at).total_seconds()) for event in session.scalars(query)]
+                census.requeued_s += [at_s for status, at_s in told if status == JobStatus.ACCEPTED][:1]
+                census.recovered_s += [at_s for status, at_s in told if status == JobStatus.RUNNING][:1]
     finally:
         database.close()
 

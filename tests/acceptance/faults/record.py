@@ -41,7 +41,8 @@ def table(plan: Plan, census: Census, done: Counter[str], missed: int, refusals:
         "ended": _counted(census.by_status.items()),
         "attempts": _counted((f"{attempts}:", number) for attempts, number in sorted(census.by_attempts.items())),
         "unwanted blobs swept": census.left_blobs,
-        "killed worker's job taken again after": _spread(census.recoveries_s),
+        "killed worker's job waits again after": _spread(census.requeued_s),
+        "killed worker's job runs again after": _spread(census.recovered_s),
         "answers clients had to repeat by themselves": _counted(refusals.most_common()) or "none",
     }
     rows = [f"| {name} | {value} |" for name, value in counts.items()]
