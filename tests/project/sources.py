@@ -17,8 +17,8 @@ FILE_SUFFIXES = {
     *("html", "json", "lock", "log", "mat", "mesh", "npz", "obj", "part"),
     *("ply", "png", "sock", "sqlite3", "stl", "tmp", "txt", "yaml", "zip"),
 }
-# a Celery task, a column, an ASGI event
-OTHER_NAMES = {"jobs.run", "jobs.id", "http.disconnect"}
+# a Celery task, a column, an ASGI event, files of control groups, an attribute of traces
+OTHER_NAMES = {"jobs.run", "jobs.id", "http.disconnect", "memory.max", "memory.limit_in_bytes", "service.name"}
 
 
 def source_files() -> list[Path]:
