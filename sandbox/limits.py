@@ -17,4 +17,4 @@ class Limits:
     file_bytes: int = 8 * GIB  # one file, and the scratch folder as a whole
     wall_s: float = 3600.0  # from spawn to the end
     open_files: int = 256
-    forks: bool = False  # whether it may start other processes; nothing of ours does
+    forks: bool = False  # whether it may start other processes, by `fork` alone

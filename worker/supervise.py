@@ -97,7 +97,8 @@ class _Attempt:
         payload = self._payload(folder)
         kept = payload.get("checkpoints", {}).get("kept", {})
         inputs = [*(Path(mesh["path"]) for mesh in payload["meshes"].values()), *map(Path, kept.values())]
-        child = self._workshop.nursery.spawn(self._workshop.target, payload, self._workshop.limits, folder, inputs)
+        limits = self._workshop.limits_of(self._job.process)
+        child = self._workshop.nursery.spawn(self._workshop.target, payload, limits, folder, inputs)
         overrun: IntegumentError | None = None
         with child:
             while (outcome := child.outcome()) is None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import socket
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from core.schema.processes import PROCESSES
 from sandbox.limits import Limits
 from sandbox.nursery import Nursery
 from store.audit import Audit
@@ -73,9 +74,14 @@ class Workshop:
             target=target,
         )
 
+    def limits_of(self, process: str) -> Limits:
+        """Of one attempt of a job of this process."""
+        known = PROCESSES.get(process)
+        return replace(self.limits, forks=known is not None and known.starts_processes)
+
     @property
     def limits(self) -> Limits:
-        """Of one attempt of one job."""
+        """Of one attempt of any job."""
         return Limits(
             memory_bytes=min(self.settings.job_memory_bytes, self.settings.worker_memory_bytes),
             cpu_s=int(self.settings.job_cpu_s) or 1,

@@ -39,6 +39,8 @@ class ProcessDescription(FrozenModel):
     """True if every layer asked for is an output of its own besides (`results/fat`), ready to be chained."""
     names_surfaces: bool = False
     """True if every surface that came is an output under its own name: `mesh` if it came alone, else beside the package."""
+    starts_processes: bool = False
+    """True if it forks, for a library that may crash; only then the kernel lets its child do so."""
 
 
 _REPORT = OutputDescription(title="Report", media_type="application/json", description="Numbers and findings, see docs")
@@ -156,6 +158,7 @@ TETRAHEDRALIZE = ProcessDescription(
     "for SimNIBS, gmsh and ParaView. Surfaces that cannot be filled are refused with the faces at fault.",
     keywords=("tetrahedra", "FEM", "volume mesh", "TetGen", "SimNIBS"),
     inputs=TetrahedralizeInputs,
+    starts_processes=True,
     outputs={
         "msh": OutputDescription(
             title="Volume mesh", media_type="application/x-gmsh", description="gmsh 2.2 binary: triangles 1000 + n, tetrahedra n"

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +11,10 @@ from core.errors import InputError
 from core.geometry.point_within import find_points_within
 from core.mesh import Mesh
 from core.tetrahedra.prove_filled import prove_filled
+from core.tetrahedra.regions import spread_regions
+from core.tetrahedra.tetgen import Facets, run_tetgen
 from core.tetrahedra.volume_mesh import VolumeMesh
 
-SAID_BYTES = 2000
 FIRST_REGION = 1  # TetGen takes 0 for none
 
 
@@ -48,18 +45,10 @@ def fill(
     vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])
     faces = np.vstack([mesh.faces + np.int32(start) for mesh, start in zip(surfaces.values(), first_vertex, strict=False)])
     switches = f"pY{'' if radius_edge is None else f'q{radius_edge:g}'}{'a' if limits else ''}AQ"
-    with TemporaryDirectory(prefix="tetgen-") as folder:
-        given, made = Path(folder) / "given.npz", Path(folder) / "made.npz"
-        np.savez(given, vertices=vertices, faces=faces, points=points, region=region + FIRST_REGION, largest=largest)
-        _run_tetgen([str(given), str(made), switches])
-        with np.load(made, allow_pickle=False) as result:
-            numbers = np.rint(result["region"]).astype(np.int32) - FIRST_REGION
-            known = (numbers >= 0) & (numbers < len(names))  # what is left is the air in cavities of the outermost
-            volume = VolumeMesh(
-                np.ascontiguousarray(result["nodes"], dtype=np.float64),
-                np.ascontiguousarray(result["tetrahedra"][known], dtype=np.int32),
-                numbers[known],
-            )
+    made = run_tetgen(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches)
+    number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - FIRST_REGION
+    known = (number >= 0) & (number < len(names))  # what is left is the air in cavities of the outermost
+    volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), number[known])
     prove_filled(volume, surfaces, nesting)
     return volume
 
@@ -79,12 +68,3 @@ def _region_points(
         points += [within] if around is None else [within, cavities]
         region += [number] * len(within) + ([] if around is None else [names.index(around)] * len(cavities))
     return np.vstack(points), np.array(region, dtype=np.int64)
-
-
-def _run_tetgen(words: Sequence[str]) -> None:
-    command = [sys.executable, "-m", "core.tetrahedra.tetgen_program", *words]
-    done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, check=False)  # noqa: S603 - our own program
-    if done.returncode:
-        said = done.stderr[-SAID_BYTES:].decode(errors="replace").strip() or "nothing"
-        ended = f"by signal {-done.returncode}" if done.returncode < 0 else f"with code {done.returncode}"
-        raise InputError("tetrahedra.refused", f"TetGen ended {ended} and said: {said}", exit_code=done.returncode)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import psutil
 import pytest
@@ -96,12 +97,13 @@ def test_nobody_answers_where_nobody_listens(tmp_path: Path) -> None:
         assert not answers(tmp_path / "mute.sock")
 
 
-def test_short_folder_of_somebody_else_is_not_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    long = tmp_path / ("x" * 100)
-    private = choose_socket_path(long).parent
-    assert private.parent == tmp_path
-    private.chmod(0o755)
-    with pytest.raises(InputError) as refusal:
-        choose_socket_path(long)
+def test_short_folder_of_somebody_else_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    with TemporaryDirectory() as runtime:  # shorter than what pytest would give
+        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+        long = Path(runtime) / ("x" * 100)
+        private = choose_socket_path(long).parent
+        assert private.parent == Path(runtime)
+        private.chmod(0o755)
+        with pytest.raises(InputError) as refusal:
+            choose_socket_path(long)
     assert refusal.value.code == "server.socket_path_unusable"

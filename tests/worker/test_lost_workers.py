@@ -76,7 +76,7 @@ def test_a_worker_told_to_stop_ends_what_is_short_and_hands_back_what_is_long(se
     children = [service.wait_for_child(short), service.wait_for_child(long)]
     started = time.monotonic()
     assert service.stop_workers(signal.SIGTERM) == [0]
-    assert time.monotonic() - started < service.settings.drain_s + 5
+    assert time.monotonic() - started < 50  # it did not wait for the long one
     assert wait_for_end(children, 0.0) == []
     assert service.jobs.get(DEFAULT_WORKSPACE, short.id).status is JobStatus.SUCCESSFUL
     handed_back = service.jobs.get(DEFAULT_WORKSPACE, long.id)

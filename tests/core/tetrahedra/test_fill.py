@@ -12,6 +12,7 @@ from core.mesh import Mesh
 from core.tetrahedra.element_quality import quality, volumes
 from core.tetrahedra.fill import fill
 from core.tetrahedra.prove_filled import expected_volumes, prove_filled
+from core.tetrahedra.regions import spread_regions
 from tests.solids import cube, flipped, sphere, together
 
 SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.0, 1)}
@@ -84,6 +85,13 @@ def test_what_is_too_thin_for_a_point_is_refused():
     with pytest.raises(InputError) as error:
         fill({"leaf": ball.with_vertices(ball.vertices * (1.0, 1.0, 1e-5))}, {"leaf": None}, gap_mm=0.5)
     assert error.value.code == "tetrahedra.no_room"
+
+
+def test_a_tetrahedron_with_the_number_of_another_tissue_gets_its_own(filled):
+    faces = np.vstack([mesh.faces + start for mesh, start in zip(SURFACES.values(), (0, 66, 132), strict=True)]).astype(np.int32)
+    wrong = filled.region.copy()
+    wrong[np.flatnonzero(wrong == 1)[::7]] = 0
+    np.testing.assert_array_equal(spread_regions(filled.vertices, filled.tetrahedra, wrong, faces), filled.region)
 
 
 @pytest.mark.parametrize(
