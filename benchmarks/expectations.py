@@ -37,6 +37,7 @@ JOBS: tuple[tuple[str, str, Mapping[str, Any]], ...] = (
     ("ears", "2 layers", {"skin": {"href": SKIN}}),
     ("heal", "", {"mesh": {"href": SKIN}}),
     ("decimate", "to 1/4", {"mesh": {"href": SKIN}, "target_ratio": 0.25}),
+    ("tetrahedralize", "", {"mesh": {"href": SKIN}}),
     ("smooth", "along the surface", {"mesh": {"href": SKIN}, "method": "wcc", "along_surface": True}),
 )
 

@@ -1,4 +1,4 @@
-"""Which waiting job a worker takes: fair between workspaces, and only what the memory of its host can hold (ADR 0011)."""
+"""Which waiting job a worker takes: fair between workspaces, and only what the memory of its host can hold (ADR 0014)."""
 
 from __future__ import annotations
 

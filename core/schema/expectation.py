@@ -36,28 +36,32 @@ UNKNOWN = Expectation(memory_bytes=1024**3, cpu_s=None)
 """Of jobs whose acceptance said nothing: the defaults of the table's columns."""
 
 
+LOADED_MB = 190  # the child with the libraries and nothing else; pages it shares with its parent are counted
+
+
 @dataclass(frozen=True, slots=True)
 class _Need:
-    """A straight line each for memory and time: what a surface costs however small, and what each of its faces adds."""
+    """figures_mb, figures_mb_per_layer: what drawing the report takes, the peak of small jobs. bytes_per_face: of every surface
+    there is at the end; bytes_per_face2: times the square of the faces that came. Both: what the geometry of large ones takes."""
 
-    mb: float
+    figures_mb: float
     bytes_per_face: float
     s: float
     s_per_face: float
-    mb_per_layer: float = 0.0
+    figures_mb_per_layer: float = 0.0
     s_per_layer: float = 0.0
+    bytes_per_face2: float = 0.0
 
 
-# the child with the libraries loaded, pages shared with its parent counted, has 190 MB; drawing the figures takes it to 350 MB
 _NEEDS: Mapping[str, _Need] = {
-    "validate": _Need(mb=370, bytes_per_face=150, s=1.0, s_per_face=10e-6),
-    "shells": _Need(mb=300, bytes_per_face=220, s=0.0, s_per_face=80e-6, mb_per_layer=55, s_per_layer=2.0),
-    "ears": _Need(mb=310, bytes_per_face=220, s=2.0, s_per_face=80e-6, mb_per_layer=55, s_per_layer=2.0),
-    "graft": _Need(mb=380, bytes_per_face=500, s=2.0, s_per_face=45e-6),
-    "heal": _Need(mb=250, bytes_per_face=500, s=0.5, s_per_face=20e-6),
-    "decimate": _Need(mb=300, bytes_per_face=550, s=1.0, s_per_face=25e-6),
-    "tetrahedralize": _Need(mb=400, bytes_per_face=4000, s=2.0, s_per_face=130e-6),
-    "smooth": _Need(mb=390, bytes_per_face=250, s=1.5, s_per_face=45e-6),
+    "validate": _Need(370, 450, s=1.0, s_per_face=10e-6),
+    "shells": _Need(300, 850, s=0.0, s_per_face=85e-6, figures_mb_per_layer=65, s_per_layer=2.0),
+    "ears": _Need(310, 650, s=2.0, s_per_face=100e-6, figures_mb_per_layer=65, s_per_layer=2.0, bytes_per_face2=0.0185),
+    "graft": _Need(400, 900, s=2.0, s_per_face=45e-6),
+    "heal": _Need(200, 540, s=0.5, s_per_face=21e-6),
+    "decimate": _Need(300, 590, s=1.0, s_per_face=26e-6),
+    "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=130e-6),
+    "smooth": _Need(400, 850, s=1.5, s_per_face=45e-6),
 }
 DEFAULT_ITERATIONS = 20
 
@@ -74,6 +78,8 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
     surfaces, passes = layers + 1, float(max(layers, 1))
     if inputs.get("stop") == "iterations":
         passes *= max(float(inputs.get("iterations", DEFAULT_ITERATIONS)) / DEFAULT_ITERATIONS, 1.0)
-    memory_bytes = MB * (need.mb + need.mb_per_layer * layers) + need.bytes_per_face * faces * surfaces
+    drawing_bytes = MB * (need.figures_mb + need.figures_mb_per_layer * layers)
+    geometry_bytes = MB * LOADED_MB + need.bytes_per_face * faces * surfaces + need.bytes_per_face2 * faces**2
+    memory_bytes = max(drawing_bytes, geometry_bytes)  # one comes after the other
     cpu_s = need.s + need.s_per_layer * layers + need.s_per_face * faces * passes
     return Expectation(memory_bytes=int(MARGIN * memory_bytes), cpu_s=round(cpu_s, 1))

@@ -25,6 +25,11 @@ MEASURED = [  # process, inputs, faces, peak MB, processor seconds; on the body
     ("decimate", {}, 107_024, 298, 3.7),
     ("smooth", {}, 26_756, 379, 2.8),
     ("smooth", {}, 107_024, 399, 6.4),
+    ("shells", TWO, 428_096, 1079, 85.3),
+    ("shells", SIX, 428_096, 2713, 254.1),
+    ("ears", TWO, 428_096, 4432, 101.4),
+    ("heal", {}, 428_096, 417, 9.2),
+    ("decimate", {}, 428_096, 416, 11.9),
 ]
 
 
