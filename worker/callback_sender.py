@@ -11,6 +11,7 @@ import httpx
 
 from core.errors import InputError
 from store.callback import Callback
+from store.callback_secret import workspace_secret
 from store.receivers import Receivers
 from worker.checked_network import CheckedNetwork, Resolve, resolve
 from worker.signature import signature_headers
@@ -53,12 +54,13 @@ class CallbackSender:
     def send(self, callback: Callback) -> Answer:
         """POST the body; never raises for anything a receiver can do."""
         body = callback.body.encode()
+        secrets = [workspace_secret(secret, callback.workspace) for secret in self._secrets]
         headers: dict[bytes | str, bytes | str] = {
             "content-type": "application/json",
             "user-agent": "Integument",
             "connection": "close",
         }
-        headers.update(signature_headers(self._secrets, callback.id, int(time.time()), body))
+        headers.update(signature_headers(secrets, callback.id, int(time.time()), body))
         try:
             self._receivers.require_uri(callback.uri)  # once more: the operator may have changed his mind
             network = CheckedNetwork(self._receivers, self._timeout_s, self._resolve)

@@ -7,8 +7,10 @@ from typing import Any
 
 from pydantic import ByteSize, TypeAdapter
 
+from core.errors import InputError
 from server.admin.arguments import Subparsers, whole_number
 from server.admin.desk import Desk, moment
+from store.callback_secret import workspace_secret
 from store.workspace import Workspace
 from store.workspaces import Workspaces
 
@@ -27,6 +29,9 @@ def register(groups: Subparsers) -> None:
     )
     create.set_defaults(run=_create)
     commands.add_parser("list", help="list them").set_defaults(run=_list)
+    secret = commands.add_parser("callback-secret", help="show what its receivers verify callbacks with")
+    secret.add_argument("name", metavar="NAME")
+    secret.set_defaults(run=_show_secret)
 
 
 def _create(desk: Desk, options: Namespace) -> None:
@@ -37,6 +42,15 @@ def _create(desk: Desk, options: Namespace) -> None:
 
 def _list(desk: Desk, _options: Namespace) -> None:
     desk.show_table(COLUMNS, [_describe(desk, workspace) for workspace in Workspaces(desk.db).list()])
+
+
+def _show_secret(desk: Desk, options: Namespace) -> None:
+    workspace = Workspaces(desk.db).get(options.name).id
+    if not desk.settings.callback_secret:
+        raise InputError("callback.not_offered", "no callbacks are sent without INTEGUMENT_CALLBACK_SECRET")
+    desk.note_act("workspaces callback-secret", workspace, workspace)
+    secrets = [workspace_secret(secret, workspace) for secret in desk.settings.callback_secret]
+    desk.show({"workspace": workspace, "secrets": secrets if desk.as_json else " ".join(secrets)})
 
 
 def _size(text: str) -> int:

@@ -17,7 +17,9 @@ import pytest
 from integument.cli import main
 
 from server.admin.command import admin
+from store.callback_secret import workspace_secret
 from store.settings import PREFIX
+from store.workspace import WorkspaceId
 from tests.embedded import embedded
 from tests.postgres import PostgresServer
 
@@ -48,6 +50,16 @@ def _database(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     if request.param == "postgresql":
         server: PostgresServer = request.getfixturevalue("postgres")
         monkeypatch.setenv("INTEGUMENT_DATABASE_URL", server.new_database())
+
+
+def test_a_workspace_has_a_callback_secret_of_its_own(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run("workspaces", "create", "lab-a")
+    assert admin(["workspaces", "callback-secret", "lab-a"]) == 2, "without one of the server there is none"
+    secret = "whsec_" + "c2VzYW1l" * 4
+    monkeypatch.setenv("INTEGUMENT_CALLBACK_SECRET", secret)
+    shown = run("workspaces", "callback-secret", "lab-a")
+    assert shown == {"workspace": "lab-a", "secrets": [workspace_secret(secret, WorkspaceId("lab-a"))]}
+    assert run("workspaces", "callback-secret", "default")["secrets"] == [secret]
 
 
 @pytest.mark.usefixtures("_database")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ssl
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from ipaddress import ip_address
 from pathlib import Path
@@ -14,9 +15,10 @@ import trustme
 from standardwebhooks.webhooks import Webhook, WebhookVerificationError
 
 from store.callback import Callback, CallbackEvent, CallbackState
+from store.callback_secret import secret_bytes, workspace_secret
 from store.forbidden_addresses import Address
 from store.receivers import Receivers
-from store.workspace import DEFAULT_WORKSPACE
+from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
 from tests.worker.receiver import Receiver, receiving
 from worker.callback_sender import CallbackSender
 from worker.signature import signature_headers
@@ -39,6 +41,19 @@ def receiver() -> Iterator[Receiver]:
         yield receiver
 
 
+def test_receivers_of_one_workspace_cannot_forge_for_another(receiver: Receiver) -> None:
+    theirs = replace(message(receiver.url), workspace=WorkspaceId("lab-a"))
+    assert CallbackSender(Receivers(LOOPBACK), [SECRET, OLD_SECRET]).send(theirs).is_success
+    (received,) = receiver.received
+    for secret in (SECRET, OLD_SECRET):  # also while one secret replaces another
+        derived = workspace_secret(secret, WorkspaceId("lab-a"))
+        assert secret_bytes(derived) != secret_bytes(secret)
+        assert Webhook(derived).verify(received.body, received.headers)["jobID"] == "1"
+        for other in (secret, workspace_secret(secret, WorkspaceId("lab-b"))):
+            with pytest.raises(WebhookVerificationError):
+                Webhook(other).verify(received.body, received.headers)
+
+
 def sender(*allowed: str, **more: object) -> CallbackSender:
     return CallbackSender(Receivers(allowed), [SECRET], **more)  # type: ignore[arg-type]
 
@@ -55,6 +70,8 @@ def test_the_receiver_can_verify_it(receiver: Receiver) -> None:
         assert Webhook(secret).verify(received.body, received.headers) == {"jobID": "1", "message": "Größe"}
     with pytest.raises(WebhookVerificationError):
         Webhook("whsec_" + "YW5vdGhl" * 4).verify(received.body, received.headers)
+    with pytest.raises(WebhookVerificationError):
+        Webhook(workspace_secret(SECRET, WorkspaceId("lab-a"))).verify(received.body, received.headers)
     with pytest.raises(WebhookVerificationError):
         Webhook(SECRET).verify(received.body + b" ", received.headers)
     stale = received.headers | signature_headers([SECRET], "msg-1", int(time.time()) - 600, received.body)
