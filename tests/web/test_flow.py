@@ -108,3 +108,8 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         expect(page.get_by_role("heading", name="Two jobs compared")).to_be_visible()
         expect(page.get_by_text("layers.0.depth_mm")).to_be_visible()
         seen.picture("11-compared")
+
+        # the same again, with what was set
+        page.get_by_role("link", name="shells").click()
+        page.get_by_role("link", name="Same settings again…").click()
+        expect(page.get_by_label("Depth of layer 1 in mm")).to_have_value("1.5")

@@ -31,6 +31,15 @@ export function getReport(id: string, signal?: AbortSignal): Promise<Report> {
   return askJson(`/v1/jobs/${id}/report`, signal ? { signal } : {});
 }
 
+export interface JobInputs {
+  processID: string;
+  inputs: Record<string, unknown>;
+}
+
+export function getInputs(id: string, signal?: AbortSignal): Promise<JobInputs> {
+  return askJson(`/v1/jobs/${id}/inputs`, signal ? { signal } : {});
+}
+
 export function getResults(id: string, signal?: AbortSignal): Promise<Record<string, ResultReference>> {
   return askJson(`/v1/jobs/${id}/results`, signal ? { signal } : {});
 }

@@ -1,4 +1,4 @@
-import { getJob, getReport } from "../api/jobs";
+import { getInputs, getJob, getReport } from "../api/jobs";
 import type { Job, Report } from "../api/types";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
@@ -9,12 +9,13 @@ import { sayNumber } from "../words";
 interface Side {
   job: Job;
   report: Report | null;
+  inputs: Record<string, unknown>;
 }
 
 async function load(id: string, signal: AbortSignal): Promise<Side> {
-  const job = await getJob(id, signal);
-  const report = await getReport(id, signal).catch(() => null); // a job that waits has none, and still has parameters to come
-  return { job, report };
+  const [job, { inputs }] = await Promise.all([getJob(id, signal), getInputs(id, signal)]);
+  const report = await getReport(id, signal).catch(() => null); // a job that waits has none yet
+  return { job, report, inputs };
 }
 
 /** Two jobs line by line: what differs stands out. */
@@ -66,9 +67,9 @@ function rowsOf(left: Side, right: Side): [string, string, string][] {
   return [...new Set([...a.keys(), ...b.keys()])].map((what) => [what, a.get(what) ?? "–", b.get(what) ?? "–"]);
 }
 
-function linesOf({ job, report }: Side): Map<string, string> {
+function linesOf({ job, report, inputs }: Side): Map<string, string> {
   const lines = new Map<string, string>([["Summary", job.summary ?? job.failure?.message ?? job.message]]);
-  flatten(report?.parameters ?? {}, "", lines);
+  flatten(inputs, "", lines);
   for (const [name, one] of Object.entries(report?.thickness ?? {})) {
     lines.set(`${name}: on target`, `${(100 * one.on_target_area).toFixed(2)} %`);
     lines.set(`${name}: least depth`, `${sayNumber(one.min_mm)} mm`);

@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { execute, listJobs } from "../api/jobs";
+import { execute, getInputs, listJobs } from "../api/jobs";
 import { findEars, listMeshes } from "../api/meshes";
 import { askJson, ServerError } from "../api/server";
 import type { Process, ProcessSummary } from "../api/types";
@@ -16,6 +16,11 @@ import { goTo } from "../router";
 import { tissueColours } from "../tissues";
 import type { RegionBox, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
+
+/** The word `auto` is what the form says by leaving an input out. */
+function withoutAuto(inputs: Record<string, unknown>): Record<string, unknown> {
+  return Object.fromEntries(Object.entries(inputs).filter(([, value]) => value !== "auto" && value !== null));
+}
 
 /** Set up a job: the form is made from the process' own description. */
 export function NewJobPage({ query }: { query: URLSearchParams }) {
@@ -56,6 +61,15 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     }
   }, [inputs, wantedMesh]);
 
+  // the settings of an earlier job, to be changed
+  const like = query.get("like");
+  useEffect(() => {
+    if (!like) return;
+    getInputs(like).then((asked) => {
+      setProcessId(asked.processID);
+      update(withoutAuto(asked.inputs));
+    }, setError);
+  }, [like]);
   const choose = (id: string, given: Record<string, unknown>, title: string) => {
     const kept = Object.fromEntries(Object.entries(values).filter(([, value]) => hrefOf(value)));
     setProcessId(id);

@@ -21,6 +21,9 @@ export function JobActions({ job, onChanged, onGone }: { job: Job; onChanged: ()
   return (
     <>
       <div class="row">
+        <a class="button" href={`#/new?process=${job.processID}&like=${job.jobID}`}>
+          Same settings again…
+        </a>
         {!isOver(job) && (
           <button
             type="button"

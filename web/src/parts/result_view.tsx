@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { getReport, getResults } from "../api/jobs";
+import { getInputs, getReport, getResults } from "../api/jobs";
 import { messageOf } from "../api/server";
 import type { Finding, Job, Report, ResultReference } from "../api/types";
 import { tissueColours } from "../tissues";
@@ -17,7 +17,13 @@ import { TissueTable } from "./tissue_table";
 import { useTriangles } from "./triangles_of";
 import { ViewerPane } from "./viewer_pane";
 
+const BEFORE = " before";
+
 type Looks = Record<string, Partial<Pick<Surface, "visible" | "opacity" | "colour">>>;
+
+function surfaceIsShown(name: string, looks: Looks): boolean {
+  return looks[name]?.visible ?? !name.endsWith(BEFORE);
+}
 
 /** What came of a job: its surfaces, cut open and coloured as one likes, its findings, numbers and files. */
 export function ResultView({ job }: { job: Job }) {
@@ -25,7 +31,11 @@ export function ResultView({ job }: { job: Job }) {
   const results = useLoaded<Record<string, ResultReference>>(`results ${job.jobID}`, async (signal) =>
     job.status === "successful" ? getResults(job.jobID, signal) : {},
   );
-  const hrefs = useMemo(() => shownMeshes(results.value, report.value), [results.value, report.value]);
+  const inputs = useLoaded(`inputs ${job.jobID}`, (signal) => getInputs(job.jobID, signal));
+  const hrefs = useMemo(
+    () => (results.loading || inputs.loading ? {} : shownMeshes(results.value, inputs.value?.inputs ?? null)),
+    [results.value, results.loading, inputs.value, inputs.loading],
+  );
   const triangles = useTriangles(hrefs);
   const [looks, setLooks] = useState<Looks>({});
   const [clip, setClip] = useState<Clip | null>(null);
@@ -43,7 +53,7 @@ export function ResultView({ job }: { job: Job }) {
   );
   const colours = tissueColours(names);
   const measured = choice
-    ? names.flatMap((name) => (fields[name] && looks[name]?.visible !== false ? [fields[name]] : []))
+    ? names.flatMap((name) => (fields[name] && surfaceIsShown(name, looks) ? [fields[name]] : []))
     : [];
   const usual: [number, number] = [
     Math.min(...measured.map((field) => field.low)),
@@ -59,7 +69,7 @@ export function ResultView({ job }: { job: Job }) {
           name,
           mesh: mesh.shown,
           colour: colours[name]!,
-          visible: true,
+          visible: !name.endsWith(BEFORE),
           opacity: 1,
           closed: mesh.closed,
           ...looks[name],
@@ -99,7 +109,7 @@ export function ResultView({ job }: { job: Job }) {
   const look = (name: string, part: Looks[string]) => setLooks({ ...looks, [name]: { ...looks[name], ...part } });
   const bounds = names[0] ? triangles.meshes[names[0]]! : null;
   const loading =
-    names.length === 0 && (results.loading || report.loading || (triangles.loading && !triangles.failure));
+    names.length === 0 && (results.loading || inputs.loading || (triangles.loading && !triangles.failure));
   return (
     <div class="bench result">
       <div class="view stack">
