@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web chromium faults fuzz audit
+.PHONY: help demo serve test check bench clean web chromium faults fuzz audit soak
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -52,6 +52,9 @@ SEED ?= 1
 JOBS ?= 200
 faults: $(STAMP) ## kill, pause, cut, fill and confuse a whole lab by SEED while it does JOBS; leaves out/faults/, about 10 minutes
 	$(BIN)/python -m tests.acceptance.faults --seed $(SEED) --jobs $(JOBS)
+
+soak: $(STAMP) ## a busy day of a lab by a set clock, on both databases; prints what is left after each hour, about 10 minutes
+	$(BIN)/pytest -m slow -s tests/soak
 
 FUZZ_SECONDS ?= 60
 fuzz: $(STAMP) ## every reader and the whole API against a coverage-guided fuzzer, FUZZ_SECONDS each; leaves out/fuzz/

@@ -16,6 +16,6 @@ def register(app: typer.Typer) -> None:
 
 
 def admin(ctx: typer.Context) -> None:
-    """Run the server: keys, workspaces, audit log; `integument admin --help`."""
+    """Run the server: keys, workspaces, jobs, retention, backups, doctor; `integument admin --help`."""
     words = (["--json"] if options_of(ctx).screen.as_json else []) + ctx.args
     raise typer.Exit(run_admin(words))
