@@ -6,7 +6,7 @@ import json
 import sqlite3
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -25,6 +25,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from core.errors import InternalError, LimitError
 from store.settings import Settings
+from store.writer_turn import WriterTurn
 
 _ONE_AT_A_TIME = threading.Lock()  # Alembic keeps the migration under way in a global
 
@@ -47,6 +48,7 @@ class Database:
             Path(str(self._url.database)).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         self.engine = _sqlite_engine(self._settings_url) if self.is_sqlite else _postgres_engine(self._settings_url)
         self._reader = self.engine.execution_options(read_only=True)
+        self._turn = WriterTurn(BUSY_TIMEOUT_S)
 
     @contextmanager
     def session(self, joined: Session | None = None) -> Iterator[Session]:
@@ -56,7 +58,8 @@ class Database:
         if joined is not None:
             yield joined
             return
-        with _translated(), Session(self.engine, expire_on_commit=False) as session, session.begin():
+        turn = self._turn.held() if self.is_sqlite else nullcontext()
+        with turn, _translated(), Session(self.engine, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
