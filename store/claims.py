@@ -66,7 +66,8 @@ class Claims:
     ) -> Renewal:
         """Keep the lease and say how far the job is; what is None stays as it was.
 
-        The memory is all that is known of an attempt whose worker is lost. A change appends a `progress` event (after `events`). Progress never goes back within one attempt."""
+        A change appends a `progress` event (after `events`). Progress never goes back within one attempt. The memory is all that
+        is known of an attempt whose worker is lost."""
         with self._db.session() as session:
             row = held(session, job_id, token)
             if row is None:

@@ -21,7 +21,7 @@ MAX_LOG = 8_000
 
 @dataclass(frozen=True, slots=True)
 class LastWords:
-    """What a worker that outlived the child can add. phase: the child's last; signal: SIGSEGV; log: the end of what it printed."""
+    """What a worker that outlived the child can add. phase: the child's last; signal: SIGSEGV; log: the end of its log."""
 
     phase: str | None = None
     signal: str | None = None
