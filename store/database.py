@@ -211,8 +211,9 @@ def _sqlite_engine(url: str, *, foreign_keys: bool = True) -> Engine:
     def _configure(connection: sqlite3.Connection, _entry: ConnectionPoolEntry) -> None:
         cursor = connection.cursor()
         enforced = "foreign_keys=ON" if foreign_keys else "foreign_keys=OFF"
+        if not cursor.execute("PRAGMA page_count").fetchone()[0]:
+            cursor.execute("PRAGMA auto_vacuum=INCREMENTAL")  # of a new file alone: of another it would wait for every writer
         for pragma in (
-            "auto_vacuum=INCREMENTAL",  # of a new file; one that is there keeps what it has
             "journal_mode=WAL",
             f"journal_size_limit={WAL_BYTES}",
             "synchronous=FULL",  # what was accepted survives a power cut
