@@ -19,6 +19,7 @@ from core.errors import InternalError
 from sandbox.fork_server import ForkServer, owner_is_gone
 from sandbox.kernel import PR_SET_CHILD_SUBREAPER, set_process_flag
 from sandbox.log_lines import LOG_FORMAT, configure_logging
+from sandbox.visible_files import known_files
 
 logger = logging.getLogger("sandbox.nursery")
 
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str]) -> None:
     refusal = preload(arguments[1:])
     signal.signal(signal.SIGIO, signal.SIG_IGN)
     fcntl.fcntl(owner, fcntl.F_SETFL, fcntl.fcntl(owner, fcntl.F_GETFL) & ~os.O_ASYNC)
+    known_files()
     gc.collect()
     gc.freeze()  # keeps the collector of every child from copying our pages
     if owner_is_gone(owner):
