@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web chromium faults fuzz audit soak
+.PHONY: help demo serve test check bench clean web chromium faults fuzz audit soak load
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
