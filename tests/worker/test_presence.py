@@ -13,12 +13,12 @@ from sqlalchemy import func, select
 
 from core.errors import InternalError
 from store.metrics import Metrics
+from store.periodic import Periodic
 from store.records import TallyRow
 from store.tally import Cell
 from store.version import SERVER_VERSION
 from store.workers import Workers, WorkerState
 from tests.worker.conftest import Service
-from store.periodic import Periodic
 
 
 def until(condition: Callable[[], object], service: Service) -> None:
