@@ -142,6 +142,8 @@ def default_of(name: str) -> str:
         "data_dir": "`$XDG_DATA_HOME/integument`, else `~/.local/share/integument`",
         "database_url": "`sqlite:///{data_dir}/integument.sqlite3`",
         "worker_concurrency": "number of cores",
+        "worker_queues": "`fast,heavy`",
+        "worker_memory_bytes": "80 % of the machine's, or of the container's limit",
         "allowed_hosts": "none",
         "blobs_url": "none",
         "callback_secret": "none",
