@@ -1,6 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { deleteMesh, listMeshes } from "../api/meshes";
 import type { MeshInfo } from "../api/types";
+import { ConfirmedButton } from "../parts/confirmed_button";
 import { DropZone } from "../parts/drop_zone";
 import { Failure } from "../parts/failure";
 import { Findings } from "../parts/findings";
@@ -160,14 +161,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                         Show
                       </button>
                     )}
-                    <button
-                      type="button"
-                      class="quiet danger"
-                      aria-label={`Delete ${mesh.name}`}
-                      onClick={() => forget(mesh)}
-                    >
-                      Delete
-                    </button>
+                    <ConfirmedButton label="Delete" about={`Delete ${mesh.name}`} onConfirmed={() => forget(mesh)} />
                   </div>
                 </li>
               ))}

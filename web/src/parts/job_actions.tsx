@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import { dismissJob, isOver, retryJob } from "../api/jobs";
 import type { Job } from "../api/types";
+import { ConfirmedButton } from "./confirmed_button";
 import { Failure } from "./failure";
 
 /** Dismiss, retry, remove. */
@@ -40,14 +41,12 @@ export function JobActions({ job, onChanged, onGone }: { job: Job; onChanged: ()
           </button>
         )}
         {isOver(job) && (
-          <button
-            type="button"
-            class="quiet danger"
+          <ConfirmedButton
+            label="Remove with its results"
+            about="Remove with its results"
             disabled={busy}
-            onClick={() => act(() => dismissJob(job.jobID), onGone)}
-          >
-            Remove with its results
-          </button>
+            onConfirmed={() => void act(() => dismissJob(job.jobID), onGone)}
+          />
         )}
       </div>
       {error ? <Failure error={error} /> : null}

@@ -42,7 +42,7 @@ export class Shell {
     geometry.setIndex(new BufferAttribute(surface.mesh.faces, 1));
     geometry.computeVertexNormals();
     this.body = new Mesh(geometry, new MeshStandardMaterial({ roughness: 0.75, metalness: 0, side: DoubleSide }));
-    this.body.renderOrder = 10 * (order + 1) + 8;
+    this.body.renderOrder = 500 - order; // what can be seen through is drawn last, from inside outwards
     this.group.add(this.body);
     for (const [side, operation] of [
       [BackSide, IncrementWrapStencilOp],
