@@ -40,7 +40,7 @@ chromium: $(STAMP) # the browser of tests/web
 
 test: check $(PAGE) chromium ## everything a release needs
 	$(BIN)/python scripts/web.py test
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses 2 --dist loadfile
 
 bench: $(STAMP) ## compare with peers; prints ratios
 	$(BIN)/python -m benchmarks
