@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from starlette.datastructures import Headers
 
 from api.access import EMBEDDED, Access
@@ -9,6 +11,8 @@ from api.bearer import read_bearer
 from core.errors import InputError
 from store.api_keys import ApiKeys
 from store.scope import Scope
+
+HELD_S = 1.0
 
 
 class Admission:
@@ -18,6 +22,7 @@ class Admission:
     def __init__(self, keys: ApiKeys, *, always: bool) -> None:
         self._keys = keys
         self._always = always
+        self._held: dict[str | None, tuple[float, bool]] = {}  # by key: when looked at, and whether it was live
 
     def admit(self, headers: Headers, need: Scope) -> Access:
         """Raises InputError `access.key_missing`, `access.key_invalid`, `access.key_expired`, `access.scope_missing`."""
@@ -34,5 +39,12 @@ class Admission:
         return Access(key.workspace, key.scopes, key.id)
 
     def holds(self, access: Access) -> bool:
-        """True while the sender of an earlier request would still be let in; asked by what lasts, as event streams do."""
-        return self._keys.is_live(access.key_id) if access.key_id is not None else not (self._always or self._keys.any())
+        """True while the sender of an earlier request would still be let in; asked by what lasts, as event streams do.
+
+        Many streams of one key ask within the same second: one look serves them."""
+        now = time.monotonic()
+        looked_at, held = self._held.get(access.key_id, (-HELD_S, False))
+        if now - looked_at >= HELD_S:
+            held = self._keys.is_live(access.key_id) if access.key_id is not None else not (self._always or self._keys.any())
+            self._held[access.key_id] = now, held
+        return held

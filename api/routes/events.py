@@ -99,9 +99,11 @@ async def _events_of(stream: _Stream, services: Services) -> AsyncIterator[Serve
                 continue
             await job.news(seen, STILL_THERE_S)
             is_over = job.head is None or (job.head.finished and job.head.seq <= seen)
-            if is_over or time.monotonic() - looked_at > STILL_THERE_S:
+            if is_over and await run_in_threadpool(_has_ended, services, stream, seen):
+                return
+            if time.monotonic() - looked_at > STILL_THERE_S:
                 looked_at = time.monotonic()
-                if not await run_in_threadpool(_is_open, services, stream, seen):
+                if not await run_in_threadpool(services.admission.holds, stream.access):
                     return
 
 
@@ -117,9 +119,7 @@ def _is_last(services: Services, event: Event) -> bool:
     return head is None or head.seq == event.seq  # None: removed just now
 
 
-def _is_open(services: Services, stream: _Stream, seen: int) -> bool:
-    """False if the job is gone, or over and all its events were seen before, or whoever listens is no longer let in."""
-    if not services.admission.holds(stream.access):
-        return False
+def _has_ended(services: Services, stream: _Stream, seen: int) -> bool:
+    """True if the job is gone, or over and all its events were seen before; asked again, since it may have been retried."""
     head = services.heads.of((stream.job_id,)).get(stream.job_id)
-    return head is not None and (not head.finished or head.seq > seen)
+    return head is None or (head.finished and head.seq <= seen)
