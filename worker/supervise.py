@@ -37,7 +37,7 @@ LOADING = {
     "message": "libraries are being loaded; after an installation or update kernels are compiled, which takes up to a minute",
 }
 # another attempt may fare better; a worker whose disk is full claims nothing until there is room
-RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed", "storage.full"})
+RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed", "storage.full", "blobs.unavailable"})
 
 T = TypeVar("T")
 

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ from store.settings import Settings
 from store.sweep_lock import FileLock
 from store.workspace import DEFAULT_WORKSPACE
 from worker.aside import work_aside
+from worker.outage import sit_out
 from worker.supervise import supervise
 from worker.workshop import Workshop
 
@@ -103,6 +105,20 @@ def dismiss_in(workshop: Workshop, job: Job, phase: str) -> float:
     thread.join(LIMIT_S)
     assert workshop.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.DISMISSED
     return time.monotonic() - asked
+
+
+def test_a_job_whose_host_cannot_reach_the_store_is_left_to_another(
+    settings: Settings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("worker.aside.sit_out", partial(sit_out, patience_s=0.1))
+    blobs = S3Blobs(S3Place.of("s3+http://key:secret@127.0.0.1:1/bucket"), FileLock(tmp_path / "lock"))
+    workshop = replace(Workshop.open(settings, target="tests.worker.targets:run"), blobs=blobs)
+    workshop.db.migrate()
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
+    supervise(workshop, claimed(workshop, job))
+    again = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
+    assert (again.status, again.attempt) == (JobStatus.ACCEPTED, 2)
+    workshop.close()
 
 
 def test_a_job_whose_results_hang_on_their_way_is_dismissed_at_once(hanging: Workshop) -> None:
