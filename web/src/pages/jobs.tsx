@@ -45,7 +45,7 @@ export function JobsPage() {
   const running = (page?.jobs ?? []).some((job) => job.status === "running");
   const unserved = !running && waiting.some((job) => Date.now() - Date.parse(job.created) > WAITED_LONG_MS);
   const pick = (id: string, on: boolean) =>
-    setPicked(on ? [...picked, id].slice(-2) : picked.filter((one) => one !== id));
+    setPicked((before) => (on ? [...before, id].slice(-2) : before.filter((one) => one !== id)));
   return (
     <>
       <div class="heading">
