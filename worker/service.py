@@ -6,6 +6,7 @@ import logging
 from collections.abc import Sequence
 from typing import Any
 
+from celery.apps import worker as celery_worker
 from celery.signals import worker_ready, worker_shutting_down
 
 from core.errors import IntegumentError
@@ -68,6 +69,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         reconciler.let_go()
         deliverer.let_go()
 
+    celery_worker.safe_say = lambda *_, **__: None  # what it prints at its end is no line of a log
     worker_ready.connect(on_ready, weak=False)
     worker_shutting_down.connect(on_stop, weak=False)
     worker = create_app(workshop, crew).Worker(
