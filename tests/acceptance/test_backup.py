@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import psycopg
+import pytest
 from sqlalchemy import make_url
 
 from store.s3_place import S3Place
@@ -52,7 +53,7 @@ def downloads(service: Service) -> dict[str, bytes]:
 
 def work(service: Service) -> tuple[str, str]:
     """One job that ends well, one that is at work, one that waits; the last two."""
-    box, ball = service.upload(cube(100.0), "box"), service.upload(sphere(60.0, 5), "ball")
+    box, ball = service.upload(cube(100.0), "box"), service.upload(sphere(60.0, 4), "ball")
     service.succeed(service.execute("validate", {"meshes": {"href": box}}))
     running = service.shells(ball)
     waiting = service.execute("validate", {"meshes": {"href": ball}})
@@ -65,6 +66,7 @@ def same(after: dict[str, bytes], before: dict[str, bytes]) -> Iterator[str]:
     return (name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
 
 
+@pytest.mark.timeout(600)
 def test_an_embedded_server_comes_back_after_its_folder_was_destroyed(tmp_path: Path) -> None:
     data, vault = tmp_path / "data", str(tmp_path / "vault")
     with embedded(data, ONE_AT_A_TIME) as server:
@@ -88,6 +90,7 @@ def test_an_embedded_server_comes_back_after_its_folder_was_destroyed(tmp_path: 
     assert [line["whole"] for line in admin("--data-dir", str(data), "backups", vault, "--verify")] == [True]
 
 
+@pytest.mark.timeout(600)
 def test_a_lab_comes_back_after_database_and_bucket_were_destroyed(
     tmp_path: Path, postgres: PostgresServer, valkey: ValkeyServer, seaweed: SeaweedServer
 ) -> None:
