@@ -66,7 +66,8 @@ def measure(nursery: Nursery, process: str, inputs: Mapping[str, Any], mesh: Pat
             "file_name": "skin.stl",
         }
         payload = {"process": process, "inputs": dict(inputs), "meshes": {SKIN: told}, "out_dir": str(folder / "out")}
-        with nursery.spawn(f"{HERE}:measured", payload, Limits(), folder) as child:
+        limits = Limits(forks=PROCESSES[process].starts_processes)
+        with nursery.spawn(f"{HERE}:measured", payload, limits, folder) as child:
             while (outcome := child.outcome()) is None:
                 child.events(0.2)
                 child.memory_bytes()
