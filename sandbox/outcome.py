@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -92,11 +94,14 @@ def _explain_end(exit_code: int, limits: Limits, scratch: Path) -> IntegumentErr
 
 
 def log_tail(scratch: Path) -> bytes:
-    """The last words of the child; empty when it had none."""
+    """The last words of the child; empty when it had none, or put something else in the place of its log."""
     try:
-        with (scratch / LOG_NAME).open("rb") as log:
-            log.seek(0, 2)
-            log.seek(max(0, log.tell() - LOG_TAIL_BYTES))
-            return log.read()
-    except FileNotFoundError:
+        handle = os.open(scratch / LOG_NAME, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError:
         return b""
+    with os.fdopen(handle, "rb") as log:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            return b""
+        log.seek(0, os.SEEK_END)
+        log.seek(max(0, log.tell() - LOG_TAIL_BYTES))
+        return log.read()
