@@ -99,9 +99,10 @@ def log_tail(scratch: Path) -> bytes:
         handle = os.open(scratch / LOG_NAME, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError:
         return b""
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        return b""
     with os.fdopen(handle, "rb") as log:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            return b""
         log.seek(0, os.SEEK_END)
         log.seek(max(0, log.tell() - LOG_TAIL_BYTES))
         return log.read()
