@@ -100,8 +100,10 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         opened.value.close()
 
         page.get_by_role("link", name="Jobs").click()
-        for box in page.get_by_role("checkbox", name=re.compile("^Compare job")).all():
-            box.check()
+        jobs = page.get_by_role("checkbox", name=re.compile("^Compare job"))
+        expect(jobs).to_have_count(2)
+        for number in range(2):
+            jobs.nth(number).check()
         seen.picture("10-jobs")
         assert seen.barriers() == []
         page.get_by_role("button", name="Compare two").click()
