@@ -74,7 +74,9 @@ def test_queue_positions_count_from_one(tmp_path: Path) -> None:
         assert [status_of(live, job)["queuePosition"] for job in jobs[1:]] == [1, 2]
 
 
-@pytest.mark.parametrize("job_id", ["0b9a6d0e-8f3c-4a55-9d51-3f1f6f1d7c20", "1", "..%2f..%2fetc", "%00", "\u00e4" * 36, "A" * 5000])
+@pytest.mark.parametrize(
+    "job_id", ["0b9a6d0e-8f3c-4a55-9d51-3f1f6f1d7c20", "1", "..%2f..%2fetc", "%00", "\u00e4" * 36, "A" * 5000]
+)
 def test_an_unknown_job_is_a_problem_everywhere(api: Live, job_id: str) -> None:
     for method, path in (
         ("GET", ""),
