@@ -154,7 +154,8 @@ class Settings(BaseSettings):
     job_file_bytes: Size = Field(ByteSize(8 * GIB), description="Largest file a job may write")
     require_confinement: bool = Field(
         False,
-        description="`true`: rather no work than work whose child the kernel cannot lock in (Landlock, filter of system calls)",
+        description="`true`: API and worker refuse to start, and children to work, where the kernel cannot lock a child in "
+        "(Landlock, filter of system calls)",
     )
     checkpoint_bytes: ByteSize = Field(
         ByteSize(2 * GIB), ge=0, description="Outputs of finished steps kept for the next attempt of one job; 0: none"

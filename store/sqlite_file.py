@@ -59,7 +59,7 @@ class SqliteFile:
 
         Returns by how many bytes it shrank."""
         before = self.measure()
-        self._run("VACUUM")
+        self._run("PRAGMA auto_vacuum=INCREMENTAL; VACUUM")
         self._run(CHECKPOINT)
         return before.bytes - self.measure().bytes
 

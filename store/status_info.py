@@ -32,6 +32,8 @@ def status_info(row: JobRow, base_url: str) -> str:
         "finished": _instant(row.finished_at),
         "updated": _instant(row.updated_at),
         "attempt": row.attempt,
+        "queue": row.queue,
+        "expectedMemoryBytes": row.expected_memory_bytes,
         "verdict": row.verdict,
         "summary": None if row.summary is None else _cut(row.summary),
         "failure": _failure(row.failure),

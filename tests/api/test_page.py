@@ -14,6 +14,7 @@ from fastapi import FastAPI
 
 from api.page_files import FOLDER, read_page
 from api.problem_handlers import install_problem_handlers
+from api.request_context import RequestContext
 from api.routes.page import page_router
 from tests.api.live import Live, problem_of
 from tests.project.sources import ROOT
@@ -96,6 +97,7 @@ def test_a_server_without_the_page_says_how_to_build_it(tmp_path: Path) -> None:
     app = FastAPI()
     install_problem_handlers(app)
     app.include_router(page_router(read_page(tmp_path)))
+    app.add_middleware(RequestContext, allowed_hosts=("127.0.0.1",))
     transport = httpx.ASGITransport(app)
 
     async def ask() -> httpx.Response:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from server.serve import serve
 from tests.project.sources import ROOT
@@ -36,12 +37,13 @@ def test_lock_file_is_in_step_with_the_project(name: str) -> None:
     project = read(PROJECTS[name])
     locked = next(package for package in read(ROOT / "uv.lock")["package"] if package["name"] == name)
     assert read(ROOT / "uv.lock")["requires-python"] == ">=3.11, <3.14"
-    wanted = {_plain(Requirement(text)) for text in project["project"]["dependencies"]}
+    extras = [text for texts in project["project"].get("optional-dependencies", {}).values() for text in texts]
+    wanted = {_plain(Requirement(text)) for text in [*project["project"]["dependencies"], *extras]}
     assert {(row["name"], row.get("specifier", "")) for row in locked["metadata"]["requires-dist"]} == wanted
     groups = project.get("dependency-groups", {})
     for group, rows in locked["metadata"].get("requires-dev", {}).items():
         asked = {_plain(Requirement(text)) for text in _flat(groups, group)}
-        assert {(row["name"], row.get("specifier", "")) for row in rows} == asked
+        assert {(row["name"], str(SpecifierSet(row.get("specifier", "")))) for row in rows} == asked
 
 
 def _flat(groups: dict[str, list[Any]], name: str) -> list[str]:

@@ -169,13 +169,13 @@ def test_no_job_is_counted_with_more_than_it_may_use(jobs: Jobs, submit: Submit)
     assert take(jobs) is None
 
 
-def test_a_retried_attempt_waits_behind_and_keeps_its_number(jobs: Jobs, submit: Submit) -> None:
+def test_a_retried_attempt_keeps_its_place_and_counts(jobs: Jobs, submit: Submit) -> None:
     first, second = submit(), submit()
     job = take(jobs)
     assert job is not None
     jobs.fail(job.id, job.lease_token, CRASHED, retry=True)
     taken = [take(jobs), take(jobs)]
-    assert [(job.id, job.attempt) for job in taken if job is not None] == [(second.id, 1), (first.id, 2)]
+    assert [(job.id, job.attempt) for job in taken if job is not None] == [(first.id, 2), (second.id, 1)]
 
 
 def test_positions_are_the_order_in_which_jobs_are_taken(jobs: Jobs, submit: Submit) -> None:

@@ -199,6 +199,7 @@ def test_every_column_that_names_a_blob_is_looked_at(
         "job_inputs.sha256",
         "job_outputs.sha256",
         "job_checkpoints.sha256",
+        "upload_parts.sha256",
     }
     mesh = meshes.create(DEFAULT_WORKSPACE, upload(tmp_path))
     result = blobs.put_bytes(b"result")

@@ -33,9 +33,7 @@ def run(payload: Payload, channel: Channel) -> Payload:
         time.sleep(inputs["seconds"])
         return _write(payload, channel)
     if act == "crash_once":
-        marker = Path(inputs["marker"])
-        if not marker.exists():
-            marker.touch()
+        if Path(payload["out_dir"]).parent.suffix == ".1":  # the folder of the first claim; a child leaves no marks elsewhere
             hostile.segfault(payload, channel)
         return _write(payload, channel)
     if act == "refuse":
