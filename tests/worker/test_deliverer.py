@@ -231,9 +231,9 @@ def test_a_worker_tells_of_the_jobs_it_did(tmp_path: Path, valkey: ValkeyServer,
     callbacks = Callbacks(service.db)
     subscriber = Subscriber("http://127.0.0.1:8000/", receiver.url, receiver.url, receiver.url)
     try:
+        receiver.holding.set()  # before there is a job: the worker may take it unasked
         service.start_worker()
         job = service.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"}, subscriber=subscriber)
-        receiver.holding.set()
         service.doorbell.ring(job.id, 1)
         service.wait(job)
         receiver.wait_for(2)
