@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web chromium faults fuzz audit soak load
+.PHONY: help demo serve test check bench clean web debian faults fuzz audit soak load
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -35,10 +35,10 @@ check: $(STAMP) ## style, types, import contracts, drift of openapi/
 	$(BIN)/python scripts/openapi.py --check
 	$(BIN)/python scripts/web.py check
 
-chromium: $(STAMP) # the browser of tests/web
-	@$(BIN)/python scripts/chromium.py
+debian: $(STAMP) # a browser and libraries that the tests need
+	@$(BIN)/python scripts/debian_packages.py
 
-test: check $(PAGE) chromium ## everything a release needs
+test: check $(PAGE) debian ## everything a release needs
 	$(BIN)/python scripts/web.py test
 	$(BIN)/pytest --numprocesses 2 --dist loadfile
 

@@ -27,7 +27,7 @@ def chromium() -> Iterator[Browser]:
     """Raises RuntimeError with the command that installs it where there is none."""
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     if found is None:
-        raise RuntimeError("The browser tests need Chromium: apt-get install -y chromium (or: make chromium)")
+        raise RuntimeError("The browser tests need Chromium: apt-get install -y chromium (or: make debian)")
     expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=OPTIONS)
