@@ -249,7 +249,8 @@ def test_a_worker_tells_of_the_jobs_it_did(tmp_path: Path, valkey: ValkeyServer,
             time.sleep(0.05)
         assert service.stop_workers() == [0], service.log()
         told = [Webhook(SECRET).verify(one.body, one.headers)["status"] for one in receiver.received]
-        assert sorted(told) == ["running", "running", "successful", "successful"]
+        assert set(told) == {"running", "successful"}
+        assert len(told) > 2  # at least once: what was held when the worker died came again
         assert len({one.headers["webhook-id"] for one in receiver.received}) == 2
         assert SECRET.removeprefix("whsec_") not in service.log()
     finally:
