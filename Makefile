@@ -40,7 +40,7 @@ debian: $(STAMP) # a browser and libraries that the tests need
 
 test: check $(PAGE) debian ## everything a release needs
 	$(BIN)/python scripts/web.py test
-	$(BIN)/pytest --numprocesses 2 --dist loadfile
+	$(BIN)/pytest --numprocesses 2 --max-worker-restart 0 --dist loadfile
 
 bench: $(STAMP) ## compare with peers; prints ratios
 	$(BIN)/python -m benchmarks

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gmsh
 import meshio
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from core.package.gmsh import write_surfaces
 from core.package.merged_surfaces import merge
 from core.package.region_tag import region_tags
 from tests.core.package.nested import tissues
+from tests.gmsh_reader import sizes_in_gmsh
 
 
 @pytest.fixture(scope="module")
@@ -21,15 +21,8 @@ def path(tmp_path_factory):
 
 
 def test_gmsh_finds_one_surface_per_tissue(path):
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(path))
-        groups = [tag for dimension, tag in gmsh.model.getPhysicalGroups() if dimension == 2]
-        assert sorted(groups) == [1005, 1010, 1012]
-        sizes = {tag: len(gmsh.model.mesh.getElementsByType(2, tag)[0]) for tag in groups}
-    finally:
-        gmsh.finalize()
+    sizes = sizes_in_gmsh(path, dimension=2)
+    assert sorted(sizes) == [1005, 1010, 1012]
     assert sizes == {1000 + tag: len(tissue.mesh.faces) for tissue, tag in _tagged()}
 
 

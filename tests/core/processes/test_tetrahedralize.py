@@ -1,6 +1,5 @@
 """`tetrahedralize`: files that their readers load, and refusals with the faces at fault."""
 
-import gmsh
 import meshio
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ from core.errors import InputError
 from core.package.build import build_package
 from tests.core.package.nested import figures, report, tissues
 from tests.core.processes.test_surface_processes import executed, href, of_one, of_package, stored
+from tests.gmsh_reader import sizes_in_gmsh
 from tests.solids import cube, sphere, without_faces
 
 
@@ -29,14 +29,7 @@ def test_the_msh_has_surfaces_and_regions_by_number(done):
 
 
 def test_gmsh_reads_it(done):
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(done["files"]["msh"]))
-        groups = {tag for dimension, tag in gmsh.model.getPhysicalGroups() if dimension == 3}
-        sizes = {tag: len(gmsh.model.mesh.getElementsByType(4, tag)[0]) for tag in groups}
-    finally:
-        gmsh.finalize()
+    sizes = sizes_in_gmsh(done["files"]["msh"], dimension=3)
     assert sizes == {region.region_tag: region.tetrahedra for region in done["report"].regions.values()}
 
 
