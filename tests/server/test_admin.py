@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
@@ -18,31 +15,12 @@ from integument.cli import main
 
 from server.admin.command import admin
 from store.callback_secret import workspace_secret
-from store.settings import PREFIX
 from store.workspace import WorkspaceId
 from tests.embedded import embedded
 from tests.postgres import PostgresServer
+from tests.server.conftest import Run
 
-Run = Callable[..., Any]
-
-
-@pytest.fixture(autouse=True)
-def _bare_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in [name for name in os.environ if name.startswith(PREFIX)]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("INTEGUMENT_DATA_DIR", str(tmp_path / "data"))
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command with --json; what it answered."""
-
-    def run(*words: str) -> Any:
-        capsys.readouterr()
-        assert admin(["--json", *words]) == 0
-        return json.loads(capsys.readouterr().out)
-
-    return run
+pytestmark = pytest.mark.usefixtures("bare_environment")
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterator
 from datetime import timedelta
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,7 +15,7 @@ from store.database import Database
 from store.job import Job, JobStatus
 from store.jobs import Jobs
 from store.records import JobRow
-from store.settings import PREFIX, Settings
+from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
 from store.workspaces import Workspaces
 from tests.postgres import PostgresServer
@@ -26,12 +24,7 @@ from tests.store.samples import CRASHED, REFUSED, claimed, finish
 LAB = WorkspaceId("lab")
 Run = Callable[..., Any]
 
-
-@pytest.fixture(autouse=True)
-def _bare_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in [name for name in os.environ if name.startswith(PREFIX)]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("INTEGUMENT_DATA_DIR", str(tmp_path / "data"))
+pytestmark = pytest.mark.usefixtures("bare_environment")
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

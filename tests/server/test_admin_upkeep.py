@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import os
 import shutil
 from collections.abc import Callable
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
 import pytest
 from sqlalchemy import update
@@ -21,30 +18,12 @@ from store.job import JobOutput
 from store.jobs import Jobs
 from store.open_blobs import open_blobs
 from store.records import JobRow
-from store.settings import PREFIX, Settings
+from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
+from tests.server.conftest import Run
 from tests.store.samples import CRASHED, claimed
 
-Run = Callable[..., Any]
-
-
-@pytest.fixture(autouse=True)
-def _bare_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in [name for name in os.environ if name.startswith(PREFIX)]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("INTEGUMENT_DATA_DIR", str(tmp_path / "data"))
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command with --json; what it answered."""
-
-    def run(*words: str, code: int = 0) -> Any:
-        capsys.readouterr()
-        assert admin(["--json", *words]) == code, capsys.readouterr().err
-        return json.loads(capsys.readouterr().out)
-
-    return run
+pytestmark = pytest.mark.usefixtures("bare_environment")
 
 
 @pytest.fixture

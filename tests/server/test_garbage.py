@@ -24,7 +24,7 @@ from store.open_blobs import open_blobs
 from store.records import UploadRow
 from store.s3_blobs import S3Blobs
 from store.s3_place import S3Place
-from store.settings import PREFIX, Settings
+from store.settings import Settings
 from store.uploads import Uploads
 from store.workspace import DEFAULT_WORKSPACE
 from tests.seaweed import SeaweedServer
@@ -32,12 +32,7 @@ from tests.seaweed import SeaweedServer
 Run = Callable[..., Any]
 LONG_AGO = time.time() - 30 * 86_400
 
-
-@pytest.fixture(autouse=True)
-def _bare_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in [name for name in os.environ if name.startswith(PREFIX)]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("INTEGUMENT_DATA_DIR", str(tmp_path / "data"))
+pytestmark = pytest.mark.usefixtures("bare_environment")
 
 
 @pytest.fixture

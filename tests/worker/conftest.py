@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from store.local_blobs import LocalBlobs
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.valkey import ValkeyServer
+from worker.closing import Closing
+from worker.workshop import Workshop
 
 ROOT = Path(__file__).parents[2]
 LIMIT_S = 60.0
@@ -137,3 +140,29 @@ def running(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServe
         assert list((service.settings.scratch_dir / "jobs").iterdir()) == []
     finally:
         service.close()
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workshop]:
+    """A workshop without a worker: the nursery and the tables, for tests that supervise by hand."""
+    nowhere = ValkeyServer(tmp_path_factory.mktemp("nowhere"))
+    workshop = Workshop.open(make_settings(tmp_path_factory.mktemp("data"), nowhere), target="tests.worker.targets:run")
+    workshop.db.migrate()
+    workshop.nursery.start()
+    yield workshop
+    workshop.close()
+
+
+@pytest.fixture
+def workshop(warm: Workshop) -> Workshop:
+    """Open for business, whatever the test before did."""
+    return replace(warm, closing=Closing(drain_s=0))
+
+
+@pytest.fixture
+def bench(warm: Workshop) -> Iterator[Service]:
+    """What users see of `workshop`."""
+    service = Service(warm.settings)
+    service.log_path.touch()
+    yield service
+    service.close()

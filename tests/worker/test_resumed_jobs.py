@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from threading import Thread
@@ -16,37 +16,13 @@ from store.job import Job, JobStatus
 from store.parked import Parked
 from store.references import References
 from store.workspace import DEFAULT_WORKSPACE
-from tests.valkey import ValkeyServer
-from tests.worker.conftest import LIMIT_S, Service, make_settings
+from tests.worker.conftest import LIMIT_S, Service
 from worker.closing import Closing
 from worker.last_words import without_places
 from worker.supervise import supervise
 from worker.workshop import Workshop
 
 TAKEN = "step 0: taken from the attempt before"
-
-
-@pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workshop]:
-    nowhere = ValkeyServer(tmp_path_factory.mktemp("nowhere"))
-    workshop = Workshop.open(make_settings(tmp_path_factory.mktemp("data"), nowhere), target="tests.worker.targets:run")
-    workshop.db.migrate()
-    workshop.nursery.start()
-    yield workshop
-    workshop.close()
-
-
-@pytest.fixture
-def workshop(warm: Workshop) -> Workshop:
-    return replace(warm, closing=Closing(drain_s=0))
-
-
-@pytest.fixture
-def bench(warm: Workshop) -> Iterator[Service]:
-    service = Service(warm.settings)
-    service.log_path.touch()
-    yield service
-    service.close()
 
 
 def claim(workshop: Workshop, attempt: int = 1, job: Job | None = None, **inputs: object) -> Job:

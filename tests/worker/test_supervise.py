@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -17,35 +16,10 @@ from store.job import Job, JobStatus, MeshInput
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.sandbox.ending import wait_for_end
-from tests.valkey import ValkeyServer
-from tests.worker.conftest import Service, make_settings
-from worker.closing import Closing
+from tests.worker.conftest import Service
 from worker.supervise import supervise
 from worker.task import run_job
 from worker.workshop import Workshop
-
-
-@pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workshop]:
-    nowhere = ValkeyServer(tmp_path_factory.mktemp("nowhere"))
-    workshop = Workshop.open(make_settings(tmp_path_factory.mktemp("data"), nowhere), target="tests.worker.targets:run")
-    workshop.db.migrate()
-    workshop.nursery.start()
-    yield workshop
-    workshop.close()
-
-
-@pytest.fixture
-def workshop(warm: Workshop) -> Workshop:
-    return replace(warm, closing=Closing(drain_s=0))
-
-
-@pytest.fixture
-def service(warm: Workshop) -> Iterator[Service]:
-    service = Service(warm.settings)
-    service.log_path.touch()
-    yield service
-    service.close()
 
 
 def claim(workshop: Workshop, act: str, **inputs: object) -> Job:
@@ -71,10 +45,10 @@ def test_a_job_ends_without_any_broker(workshop: Workshop) -> None:
     assert list((workshop.settings.scratch_dir / "jobs").iterdir()) == []
 
 
-def test_who_lost_the_lease_ends_the_child_and_writes_nothing(workshop: Workshop, service: Service) -> None:
+def test_who_lost_the_lease_ends_the_child_and_writes_nothing(workshop: Workshop, bench: Service) -> None:
     job = claim(workshop, "sleep", seconds=60)
     thread = in_background(workshop, job)
-    child = service.wait_for_child(job)
+    child = bench.wait_for_child(job)
     [lost] = workshop.jobs.expire_leases(datetime.now(UTC) + timedelta(days=1))
     thread.join(10)
     assert wait_for_end([child], 0.0) == []
@@ -82,10 +56,10 @@ def test_who_lost_the_lease_ends_the_child_and_writes_nothing(workshop: Workshop
     assert (lost.status, lost.attempt) == (JobStatus.ACCEPTED, 2)
 
 
-def test_a_removed_job_ends_its_child(workshop: Workshop, service: Service) -> None:
+def test_a_removed_job_ends_its_child(workshop: Workshop, bench: Service) -> None:
     job = claim(workshop, "sleep", seconds=60)
     thread = in_background(workshop, job)
-    child = service.wait_for_child(job)
+    child = bench.wait_for_child(job)
     with closing(sqlite3.connect(workshop.settings.data_dir / "integument.sqlite3", isolation_level=None)) as database:
         database.execute("PRAGMA foreign_keys=ON")
         database.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
