@@ -59,8 +59,7 @@ def resolve_meshes(services: Services, workspace: WorkspaceId, inputs: FrozenMod
         services.mesh_inputs.resolve_package(workspace, href) if is_package else services.mesh_inputs.resolve(workspace, href)
         for href, is_package in wanted
     ]
-    stored = _with_paths(inputs.model_dump(mode="json", exclude_none=True))
-    return stored, meshes
+    return _with_paths(_stored(inputs, inputs.model_dump(mode="json"))), meshes
 
 
 def path_of(href: str) -> str:
@@ -81,6 +80,22 @@ def references_in(value: object) -> Iterator[MeshReference]:
     elif isinstance(value, list | tuple):
         for item in value:
             yield from references_in(item)
+
+
+def _stored(value: object, dumped: Any) -> Any:
+    """What a model says in JSON, without the keys that are null and would be again; null where the default is another counts."""
+    if isinstance(value, FrozenModel):
+        fields = type(value).model_fields
+        return {
+            name: _stored(getattr(value, name), item)
+            for name, item in dumped.items()
+            if item is not None or fields[name].default is not None
+        }
+    if isinstance(value, Mapping):
+        return {key: _stored(item, dumped[str(key)]) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_stored(item, one) for item, one in zip(value, dumped, strict=True)]
+    return dumped
 
 
 def _with_paths(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -26,8 +26,8 @@ class DecimateRegion(FrozenModel):
     )
 
 
-class DecimateInputs(SurfacesInputs):
-    """Closed surfaces and how far to thin them: exactly one of `target_faces`, `target_ratio` and `max_deviation_mm`."""
+class DecimateParameters(FrozenModel):
+    """How far to thin surfaces out: exactly one of `target_faces`, `target_ratio` and `max_deviation_mm`."""
 
     method: Literal["curvature", "quadric"] = Field(
         "curvature",
@@ -53,7 +53,7 @@ class DecimateInputs(SurfacesInputs):
     )
 
     @model_validator(mode="after")
-    def _one_target(self) -> DecimateInputs:
+    def _one_target(self) -> Self:
         given = [name for name in TARGETS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"exactly one of {', '.join(TARGETS)} is wanted, got {' and '.join(given) or 'none'}")
@@ -63,7 +63,11 @@ class DecimateInputs(SurfacesInputs):
         return self
 
     @model_validator(mode="after")
-    def _literal_stands_alone(self) -> DecimateInputs:
+    def _literal_stands_alone(self) -> Self:
         if self.literal and (self.method != "curvature" or self.max_deviation_mm is not None or self.regions):
             raise ValueError("literal is method curvature with target_faces or target_ratio, and knows no regions")
         return self
+
+
+class DecimateInputs(DecimateParameters, SurfacesInputs):
+    """Closed surfaces and how far to thin them: exactly one of `target_faces`, `target_ratio` and `max_deviation_mm`."""

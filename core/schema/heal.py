@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from core.schema.model import FrozenModel
 from core.schema.surfaces import SurfacesInputs
 
 PiecesPolicy = Literal["keep_largest", "keep_above", "keep_all"]
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
-class HealInputs(SurfacesInputs):
+class HealParameters(FrozenModel):
     """What may be mended, and how much of the surface may change. The defaults suit the skin of a body: one closed surface."""
 
     pieces: PiecesPolicy = Field(
@@ -44,3 +45,7 @@ class HealInputs(SurfacesInputs):
         description="How far the surface may move, two-sided. Not counted: pieces, fins and inner walls that are taken away, "
         "and patches over holes; they count as area",
     )
+
+
+class HealInputs(HealParameters, SurfacesInputs):
+    """What may be mended, and how much of the surface may change. The defaults suit the skin of a body: one closed surface."""

@@ -6,12 +6,13 @@ from typing import Annotated
 
 from pydantic import Field
 
+from core.schema.model import FrozenModel
 from core.schema.surfaces import SurfacesInputs
 from core.schema.validate import MeshName
 
 
-class TetrahedralizeInputs(SurfacesInputs):
-    """Closed surfaces, nested or side by side, that touch nowhere; the outermost have air around them."""
+class TetrahedraParameters(FrozenModel):
+    """How fine and how well shaped tetrahedra are to be."""
 
     radius_edge: float | None = Field(
         2.0,
@@ -23,3 +24,7 @@ class TetrahedralizeInputs(SurfacesInputs):
     max_volume_mm3: Annotated[dict[MeshName, Annotated[float, Field(gt=0)]], Field(max_length=64)] = Field(
         {}, description="Surface name -> largest tetrahedron of its tissue in mm³, wherever the surfaces allow it"
     )
+
+
+class TetrahedralizeInputs(TetrahedraParameters, SurfacesInputs):
+    """Closed surfaces, nested or side by side, that touch nowhere; the outermost have air around them."""
