@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 if TYPE_CHECKING:
+    from core.reports.figures.figure import Figure
     from core.schema.finding import Finding
     from core.schema.report import Report
 
@@ -43,6 +44,7 @@ class IntegumentError(Exception):
         self.message = message
         self.findings = findings
         self.report = report
+        self.figures: tuple[Figure, ...] = ()  # drawn before it failed, for that report
         self.facts: dict[str, Fact] = facts
         self.outputs: tuple[dict[str, Any], ...] = ()  # files a failed process still left, as in its result (report, report_html)
 

@@ -24,7 +24,16 @@ from integument.mesh import Mesh
 from integument.problem import Problem
 from integument.process import Process
 from integument.region import Region
-from integument.report import ComparisonNumbers, DeviationNumbers, Finding, MeshNumbers, PairNumbers, Report, ThicknessNumbers
+from integument.report import (
+    ComparisonNumbers,
+    DeviationNumbers,
+    Finding,
+    MeshNumbers,
+    PairNumbers,
+    Report,
+    StepNumbers,
+    ThicknessNumbers,
+)
 from integument.result import Output, Results
 
 __all__ = [
@@ -58,6 +67,7 @@ __all__ = [
     "ServerNotInstalledError",
     "ServerStartError",
     "ServerUnreachableError",
+    "StepNumbers",
     "ThicknessNumbers",
     "WaitTimeoutError",
 ]

@@ -75,6 +75,17 @@ class ComparisonNumbers(Answer):
     volume_change: float | None = None
 
 
+class StepNumbers(Answer):
+    """One step of a job made of several; `numbers` are quantities with their units."""
+
+    name: str
+    title: str = ""
+    outcome: str
+    summary: str = ""
+    numbers: dict[str, int | float | str] = {}
+    findings: tuple[Finding, ...] = ()
+
+
 class Report(Answer):
     """The report of one job."""
 
@@ -85,6 +96,7 @@ class Report(Answer):
     pairs: tuple[PairNumbers, ...] = ()
     thickness: dict[str, ThicknessNumbers] = {}
     comparisons: dict[str, ComparisonNumbers] = {}
+    steps: tuple[StepNumbers, ...] = ()
     nesting: dict[str, str | None] = {}
     findings: tuple[Finding, ...] = ()
     timings_s: dict[str, float] = {}

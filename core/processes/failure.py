@@ -33,7 +33,7 @@ def failure_report(process: str, payload: Mapping[str, Any], error: IntegumentEr
             "software": software_versions(),
         }
     )
-    return report, _pictures(process, payload, findings)
+    return report, (*error.figures, *_pictures(process, payload, findings))
 
 
 def _pictures(process: str, payload: Mapping[str, Any], findings: tuple[Finding, ...]) -> tuple[Figure, ...]:

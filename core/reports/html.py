@@ -15,13 +15,18 @@ from core.reports.figures.figure import Figure
 from core.reports.tissue_rows import nesting_lines, tissue_rows
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
-from core.schema.report import Report
+from core.schema.report import Report, StepReport
 
 PNG_SIZE_AT = 16  # width and height as big-endian uint32 behind the signature and the chunk head
 
 
 def render_html(report: Report, figures: Sequence[Figure]) -> str:
     """The whole page; names and messages are text, whatever they contain. Same report and figures, same bytes."""
+    shown_by = [step.name for step in report.steps]
+    embedded = _embed(figures, shown_by)
+    steps = [
+        _step_section(step, [embedded[figure.name] for figure in figures if figure.step == step.name]) for step in report.steps
+    ]
     counts = {severity: sum(finding.severity is severity for finding in report.findings) for severity in Severity}
     return (
         _environment()
@@ -35,19 +40,39 @@ def render_html(report: Report, figures: Sequence[Figure]) -> str:
             changes=change_entries(report.changes),
             findings=sorted(report.findings, key=_urgency),
             counts=counts,
-            figures=[_embedded(figure) for figure in figures],
+            checksums=[(name, mesh.sha256) for name, mesh in report.meshes.items() if mesh.sha256],
+            steps=steps,
+            figures=[embedded[figure.name] for figure in figures if figure.step not in shown_by],
         )
     )
+
+
+def _embed(figures: Sequence[Figure], steps: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Figure name -> what the page needs of it, numbered as the page shows them: those of no step first."""
+    place = {"": 0, **{step: number for number, step in enumerate(steps, 1)}}
+    ordered = sorted(figures, key=lambda figure: place.get(figure.step, 0))
+    return {figure.name: _embedded(figure, number) for number, figure in enumerate(ordered, 1)}
+
+
+def _step_section(step: StepReport, figures: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "report": step,
+        "rows": tissue_rows(step),
+        "changes": change_entries(step.changes),
+        "findings": sorted(step.findings, key=_urgency),
+        "figures": figures,
+    }
 
 
 def _urgency(finding: Finding) -> int:
     return list(Severity).index(finding.severity)
 
 
-def _embedded(figure: Figure) -> dict[str, Any]:
+def _embedded(figure: Figure, number: int) -> dict[str, Any]:
     sizes = figure.png[PNG_SIZE_AT : PNG_SIZE_AT + 8]
     return {
         "name": figure.name,
+        "number": number,
         "title": figure.title,
         "caption": figure.caption,
         "width": int.from_bytes(sizes[:4], "big"),
@@ -78,6 +103,8 @@ def _environment() -> Environment:
         "numbers",
         "relation",
         "flattened",
+        "outcome",
+        "quantity",
     ):
         environment.filters[word] = getattr(wording, word)
     return environment

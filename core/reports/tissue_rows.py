@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from core.reports.palette import as_hex, tissue_colours
-from core.schema.report import MeshReport, Report, ThicknessReport
+from core.schema.report import MeshReport, Report, StepReport, ThicknessReport
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class TissueRow:
         return self.mesh.self_intersecting_pairs + self.intersections
 
 
-def tissue_rows(report: Report) -> tuple[TissueRow, ...]:
+def tissue_rows(report: Report | StepReport) -> tuple[TissueRow, ...]:
     """In the order of the report, which is the order of nesting."""
     colours = tissue_colours(list(report.meshes))
     rows = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.schema.report import PairReport, Relation
+from core.schema.report import PairReport, Relation, StepOutcome
 
 MM2_PER_CM2 = 100.0
 MM3_PER_LITRE = 1e6
@@ -19,6 +19,13 @@ _RELATIONS: dict[Relation, str] = {
     "disjoint": "apart, neither inside the other",
     "intersecting": "they intersect",
     "undetermined": "cannot be told",
+}
+
+_OUTCOMES: dict[StepOutcome, str] = {
+    "done": "done",
+    "not_needed": "not needed",
+    "failed": "failed",
+    "not_reached": "not reached",
 }
 
 
@@ -88,6 +95,18 @@ def numbers(values: tuple[int, ...]) -> str:
 def relation(pair: PairReport) -> str:
     """How two meshes lie to each other."""
     return _RELATIONS[pair.relation].format(a=pair.a, b=pair.b)
+
+
+def outcome(step: StepOutcome) -> str:
+    """What became of a step."""
+    return _OUTCOMES[step]
+
+
+def quantity(value: float | int | str) -> str:
+    """A number of a step: counts whole, the rest with four digits, words as they are."""
+    if isinstance(value, float):
+        return significant(value, 4)
+    return whole(value) if isinstance(value, int) else value
 
 
 def flattened(parameters: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:

@@ -12,6 +12,7 @@ from core.schema.model import FrozenModel
 Verdict = Literal["simulation_ready", "not_ready"]
 # the thesis' three cases (Fig. 19), a = master mesh, b = slave mesh
 Relation = Literal["a_inside_b", "b_inside_a", "disjoint", "intersecting", "undetermined"]
+StepOutcome = Literal["done", "not_needed", "failed", "not_reached"]
 
 
 class QualityNumbers(FrozenModel):
@@ -118,6 +119,34 @@ class RegionReport(FrozenModel):
     smallest_dihedral_deg: float = Field(description="Smallest angle between two faces of a tetrahedron; 70.5 in the regular one")
 
 
+class StepReport(FrozenModel):
+    """One step of a job made of several (`prepare`): a section of its own on the page, a line in the list of steps.
+
+    How a process fills it: one `StepReport` per step, in order, in `Report.steps`; give what the step knows and leave the rest.
+    `core.reports.steps.figures_of_step` marks its figures, `core.reports.steps.joined_methods` makes `Report.methods` and
+    `Report.references` of those of all steps. `Report.meshes`, `pairs` and `findings` stay those of the final result.
+    A step that fails raises with `report=Report(..., steps=...)`, the step itself with outcome "failed" and those after it
+    "not_reached", and sets `error.figures`: the report of the failed job shows all of it.
+    """
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]{0,39}$", description="Unique in the report; names of its figures begin with it")
+    title: str = Field(description="For people, such as `Ears grafted`")
+    outcome: StepOutcome = "done"
+    summary: str = Field(description="One sentence with numbers: what was done, or why not")
+    numbers: dict[str, int | float | str] = Field({}, description="Quantity with its unit -> value, in the order to be read")
+    meshes: dict[str, MeshReport] = Field({}, description="The surfaces as the step leaves them, if it checked them")
+    pairs: tuple[PairReport, ...] = ()
+    thickness: dict[str, ThicknessReport] = {}
+    comparisons: dict[str, ComparisonReport] = {}
+    regions: dict[str, RegionReport] = {}
+    findings: tuple[Finding, ...] = Field((), description="Of this step alone; those that decide the verdict are the report's")
+    changes: tuple[dict[str, Any], ...] = ()
+    methods: str = Field("", description="Citable text; `[1]` is the first of the references below")
+    references: tuple[str, ...] = ()
+    parameters: dict[str, Any] = {}
+    checksums: dict[str, str] = Field({}, description="Name of a surface the step took or left -> SHA-256 of its file")
+
+
 class Report(FrozenModel):
     """The whole report of a job."""
 
@@ -132,6 +161,7 @@ class Report(FrozenModel):
     nesting: dict[str, str | None] = Field({}, description="Mesh name -> the mesh that encloses it most closely, or null")
     findings: tuple[Finding, ...] = ()
     changes: tuple[dict[str, Any], ...] = ()
+    steps: tuple[StepReport, ...] = Field((), description="Of a job made of several steps, in order; empty for all others")
     methods: str = Field("", description="Citable text of what was done")
     references: tuple[str, ...] = ()
     parameters: dict[str, Any] = {}

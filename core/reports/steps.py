@@ -1,0 +1,42 @@
+"""The parts of a report made of several steps: figures that know their step, methods that read as one text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from core.reports.figures.figure import Figure
+from core.schema.report import StepReport
+
+_CITATION = re.compile(r"\[(\d+)\]")
+_NUMBER = re.compile(r"^\[\d+\]\s*")
+
+
+def figures_of_step(step: str, figures: Sequence[Figure]) -> tuple[Figure, ...]:
+    """The same figures for the section of `step`, a StepReport's name; their names get it in front, so that they stay unique."""
+    return tuple(replace(figure, name=f"{step}_{figure.name}", step=step) for figure in figures)
+
+
+def joined_methods(steps: Sequence[StepReport]) -> tuple[str, tuple[str, ...]]:
+    """(methods, references) of all steps that have any, in order.
+
+    Promises: a work cited by several steps stands once, numbered by first appearance; `[n]` in the text is its entry.
+    """
+    order: dict[str, int] = {}
+    texts = []
+    for step in steps:
+        if not step.methods or step.outcome in ("not_needed", "not_reached"):
+            continue
+        works = [_NUMBER.sub("", reference) for reference in step.references]
+        numbers = [order.setdefault(work, len(order) + 1) for work in works]
+        texts.append(_renumbered(step.methods, numbers))
+    return " ".join(texts), tuple(f"[{number}] {work}" for work, number in order.items())
+
+
+def _renumbered(text: str, numbers: Sequence[int]) -> str:
+    def entry(found: re.Match[str]) -> str:
+        own = int(found[1])
+        return f"[{numbers[own - 1]}]" if 1 <= own <= len(numbers) else found[0]
+
+    return _CITATION.sub(entry, text)
