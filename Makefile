@@ -8,7 +8,7 @@ STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check bench clean web debian faults fuzz audit soak load
+.PHONY: help demo serve test check docs bench clean web debian faults fuzz audit soak load
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -34,6 +34,9 @@ check: $(STAMP) ## style, types, import contracts, drift of openapi/
 	$(BIN)/lint-imports
 	$(BIN)/python scripts/openapi.py --check
 	$(BIN)/python scripts/web.py check
+
+docs: $(STAMP) ## build the documentation site into out/docs; a link that leads nowhere is an error
+	$(BIN)/python scripts/docs.py
 
 debian: $(STAMP) # a browser and libraries that the tests need
 	@$(BIN)/python scripts/debian_packages.py
