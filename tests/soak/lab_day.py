@@ -125,7 +125,7 @@ class LabDay:
     def _one_job(self) -> None:
         self._serial += 1
         number, shop = self._serial, self._shop
-        mesh = self._upload(f"mesh {number}".encode() * 200)
+        mesh = self._upload(f"mesh {number:06}".encode() * 200)
         job = shop.jobs.create(
             DEFAULT_WORKSPACE,
             "shells",
@@ -155,7 +155,7 @@ class LabDay:
         shop = self._shop
         events = [("log", {"message": f"step {step} of {number}"}) for step in range(EVENTS)]
         shop.jobs.renew(job.id, job.lease_token, 30, progress=50, phase="shells", message="half", events=events)
-        made = shop.blobs.put_bytes(f"package {number}".encode() * 500)
+        made = shop.blobs.put_bytes(f"package {number:06}".encode() * 500)
         outputs = {"package": JobOutput(made.sha256, made.size, "application/zip", "package.zip")}
         if number % 10 == 9:
             failure = JobFailure.of(InternalError("child.raised", "it raised"))
