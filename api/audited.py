@@ -9,6 +9,7 @@ from starlette.datastructures import Headers
 from starlette.types import Message, Scope
 
 from api.access import SCOPE_KEY, Access
+from api.needed_scope import UPLOADS
 from store.audit import DONE, AuditEntry
 
 CODE_KEY = "problem_code"  # of ASGI's scope: a dict that survives its copies
@@ -18,7 +19,8 @@ _ID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 def is_act(scope: Scope) -> bool:
     """Reading leaves no trace; pieces of an upload neither: its announcement does, and the mesh made of it."""
-    return scope["method"] not in _READING and scope["method"] != "PATCH"
+    piece_of_upload = scope["method"] == "PATCH" and scope["path"].startswith(f"{UPLOADS}/")
+    return scope["method"] not in _READING and not piece_of_upload
 
 
 def entry_of(scope: Scope, start: Message) -> AuditEntry:

@@ -22,6 +22,8 @@ def describe_job(request: Request, job: Job, queue_position: int | None = None) 
     return StatusInfo(
         job_id=job.id,
         process_id=job.process,
+        name=job.name,
+        labels=job.labels,
         status=job.status.value,
         message=job.message,
         progress=math.floor(job.progress),

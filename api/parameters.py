@@ -59,4 +59,7 @@ IdempotencyKey = Annotated[
     str | None, Header(alias="Idempotency-Key", description="Same key and request: done once, answered alike, for 24 h")
 ]
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Entries per page")]
+TextFilter = Annotated[
+    str, Query(max_length=200, description="Only those in whose names every word of this occurs; upper and lower case are alike")
+]
 Cursor = Annotated[str | None, Query(pattern=r"^[A-Za-z0-9_-]{1,200}$", description="`next` of the page before")]

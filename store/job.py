@@ -126,3 +126,5 @@ class Job:
     expected_cpu_s: float | None
     traceparent: str | None = None  # of the request that accepted it
     expires_at: datetime | None = None
+    name: str | None = None
+    labels: tuple[str, ...] = ()

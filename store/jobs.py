@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
-from sqlalchemy import select, tuple_
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -18,6 +18,9 @@ from store.claims import Claims
 from store.database import Database
 from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
+from store.job_search import EVERY_JOB, JobSearch, jobs_query
+from store.job_words import NO_WORDS, JobWords
+from store.labelling import index_labels, label_job, relabel_job
 from store.page import Page, from_cursor, to_cursor
 from store.parked import require_not_parked
 from store.queue_position import find_queue_position
@@ -54,6 +57,7 @@ class Jobs(Admission, Claims, Reconciliation):
         max_attempts: int = 2,
         subscriber: Subscriber | None = None,
         expectation: Expectation = UNKNOWN,
+        words: JobWords = NO_WORDS,
         session: Session | None = None,
     ) -> Job:
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
@@ -104,8 +108,10 @@ class Jobs(Admission, Claims, Reconciliation):
                     for mesh in meshes
                 ],
             )
+            label_job(row, words)
             work.add(row)
-            work.flush()  # the job before its event, which refers to it
+            work.flush()  # the job before its event and labels, which refer to it
+            index_labels(work, row)
             announce(work, row, now)
             work.flush()
             return snapshot(row)
@@ -118,30 +124,28 @@ class Jobs(Admission, Claims, Reconciliation):
     def list(
         self,
         workspace: WorkspaceId,
+        search: JobSearch = EVERY_JOB,
         *,
-        status: Iterable[str] = (),
-        process: Iterable[str] = (),
         limit: int = 50,
         cursor: str | None = None,
     ) -> Page[Job]:
-        """Newest first; several statuses or processes mean any of them. Raises InputError `cursor.invalid`."""
-        query = (
-            select(JobRow)
-            .where(JobRow.workspace == workspace)
-            .order_by(JobRow.created_at.desc(), JobRow.id.desc())
-            .limit(limit + 1)
-        )
-        if statuses := tuple(status):
-            query = query.where(JobRow.status.in_(statuses))
-        if processes := tuple(process):
-            query = query.where(JobRow.process.in_(processes))
-        if cursor is not None:
-            query = query.where(tuple_(JobRow.created_at, JobRow.id) < from_cursor(cursor))
+        """Newest first. Raises InputError `cursor.invalid`."""
+        query = jobs_query(workspace, search, None if cursor is None else from_cursor(cursor), limit + 1)
         with self._db.reading() as session:
             rows = session.scalars(query).all()
             more = len(rows) > limit
             items = tuple(self._dated(session, snapshot(row)) for row in rows[:limit])
             return Page(items, to_cursor(items[-1].created_at, items[-1].id) if more else None)
+
+    def call(self, workspace: WorkspaceId, job_id: str, change: Callable[[JobWords], JobWords]) -> Job:
+        """Give it another name or other labels, whatever its state: `change` gets those it has.
+
+        Raises StateError `job.not_found`."""
+        with self._db.session() as session:
+            row = owned(session, workspace, job_id, lock=True)
+            relabel_job(session, row, change(JobWords(row.name, tuple(row.labels or ()))))
+            session.flush()
+            return self._dated(session, snapshot(row))
 
     def _dated(self, session: Session, job: Job) -> Job:
         if self._retention is None or not job.status.is_finished:

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from sqlalchemy import select, tuple_
+from sqlalchemy import func, select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from store.blobs import Blobs
 from store.database import Database
+from store.job_words import WORDS_AT_MOST
 from store.page import Page, from_cursor, to_cursor
 from store.quotas import Quotas
 from store.records import MeshRow
@@ -116,10 +117,13 @@ class Meshes:
         with self._db.reading() as session:
             return _record(_owned(session, workspace, mesh_id))
 
-    def list(self, workspace: WorkspaceId, *, limit: int = 50, cursor: str | None = None) -> Page[MeshRecord]:
-        """Newest first. Raises InputError `cursor.invalid`."""
+    def list(self, workspace: WorkspaceId, *, text: str = "", limit: int = 50, cursor: str | None = None) -> Page[MeshRecord]:
+        """Newest first; every word of `text` occurs in the name or the file's. Raises InputError `cursor.invalid`."""
         newest_first = (MeshRow.created_at.desc(), MeshRow.id.desc())
         query = select(MeshRow).where(MeshRow.workspace == workspace).order_by(*newest_first).limit(limit + 1)
+        for word in text.split()[:WORDS_AT_MOST]:
+            told = func.lower(MeshRow.name + " " + MeshRow.file_name + " " + MeshRow.id)
+            query = query.where(told.contains(word.lower(), autoescape=True))
         if cursor is not None:
             query = query.where(tuple_(MeshRow.created_at, MeshRow.id) < from_cursor(cursor))
         with self._db.reading() as session:

@@ -10,6 +10,7 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
 from core.schema.expectation import UNKNOWN
 from store.instant import Instant
+from store.job_words import SEARCH_CHARACTERS
 
 Json = JSON(none_as_null=True)  # text on both databases: JSONB would reorder keys, and inputs must come back as they came
 Identifier = String(36)
@@ -74,7 +75,7 @@ class JobRow(Record):
     __table_args__ = (
         CheckConstraint("status IN ('accepted', 'running', 'successful', 'failed', 'dismissed')", name="status_known"),
         CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="running_has_lease"),
-        Index(None, "workspace", "created_at", "id"),
+        Index(None, "workspace", "created_at", "id", "search_text"),  # a search reads the index alone
         Index(None, "workspace", "status", "queue", "queued_at", "id"),
         Index(None, "workspace", "output_bytes"),
         Index(None, "workspace", "fingerprint"),
@@ -117,6 +118,9 @@ class JobRow(Record):
     events_trimmed_at: Mapped[datetime | None] = mapped_column(Instant)  # when progress and log lines were removed
     traceparent: Mapped[str | None] = mapped_column(String(64))  # W3C: the trace of the request that accepted it
     fingerprint: Mapped[str | None] = mapped_column(Digest)  # of what is asked for, by content; None: accepted by an older server
+    name: Mapped[str | None] = mapped_column(Text)
+    labels: Mapped[list[str] | None] = mapped_column(Json)  # to be shown; a list by label looks into `job_labels`
+    search_text: Mapped[str] = mapped_column(String(SEARCH_CHARACTERS), server_default=text("''"))
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobInputRow.href"
@@ -124,6 +128,18 @@ class JobRow(Record):
     outputs: Mapped[list[JobOutputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobOutputRow.position"
     )
+
+
+class JobLabelRow(Record):
+    """A label of a job, with what a page of the jobs that have it is ordered by."""
+
+    __tablename__ = "job_labels"
+    __table_args__ = (Index(None, "workspace", "label", "created_at", "job_id"),)
+
+    job_id: Mapped[str] = mapped_column(Identifier, ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    label: Mapped[str] = mapped_column(String(64), primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName)
+    created_at: Mapped[datetime] = mapped_column(Instant)
 
 
 class TurnRow(Record):

@@ -181,4 +181,6 @@ def snapshot(row: JobRow) -> Job:
         expected_memory_bytes=row.expected_memory_bytes,
         expected_cpu_s=row.expected_cpu_s,
         traceparent=row.traceparent,
+        name=row.name,
+        labels=tuple(row.labels or ()),
     )

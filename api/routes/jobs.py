@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Body, Query, Request, Response
 from pydantic import BeforeValidator, Field
 from starlette.concurrency import run_in_threadpool
 
@@ -13,13 +13,15 @@ from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.job_documents import describe_job, list_jobs
 from api.links import job_path
 from api.paging import add_next_link
-from api.parameters import Cursor, IdempotencyKey, JobId, PageLimit, PreferencesDep, split_commas
+from api.parameters import Cursor, IdempotencyKey, JobId, PageLimit, PreferencesDep, TextFilter, split_commas
 from api.responses import problems
 from api.schemas.job import JobList, JobStatus, StatusInfo
+from api.schemas.job_words import LABELS_AT_MOST, JobWordsChange
 from api.services import Services, ServicesDep
 from api.waiting import has_ended, has_left, wait_until
 from store.idempotency import Reply
 from store.job import Job
+from store.job_search import JobSearch
 from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/jobs", tags=["Jobs"])
@@ -37,6 +39,14 @@ StatusFilter = Annotated[
     Query(description="Any of these statuses; repeat the parameter or separate by commas"),
 ]
 
+LabelFilter = Annotated[
+    tuple[Annotated[str, Field(max_length=64)], ...],
+    Query(
+        max_length=LABELS_AT_MOST,
+        description="Only jobs with this label; repeat the parameter for several, all of which it must have",
+    ),
+]
+
 
 @router.get("", operation_id="listJobs", response_model_exclude_none=True, responses=problems(422))
 def get_jobs(
@@ -46,12 +56,15 @@ def get_jobs(
     workspace: WorkspaceDep,
     status: StatusFilter = (),
     process_id: ProcessFilter = (),
+    label: LabelFilter = (),
+    q: TextFilter = "",
     limit: PageLimit = 50,
     cursor: Cursor = None,
 ) -> JobList:
     """The jobs of the workspace, newest first."""
-    page = services.jobs.list(workspace, status=status, process=process_id, limit=limit, cursor=cursor)
-    query = [("status", one) for one in status] + [("processID", one) for one in process_id] + [("limit", str(limit))]
+    page = services.jobs.list(workspace, JobSearch(status, process_id, label, q), limit=limit, cursor=cursor)
+    query = [("status", one) for one in status] + [("processID", one) for one in process_id]
+    query += [("label", one) for one in label] + [("q", q)] * bool(q) + [("limit", str(limit))]
     jobs = list_jobs(request, page, query)
     add_next_link(response, jobs.links)
     return jobs
@@ -72,6 +85,18 @@ async def get_job(
         job = await wait_until(services, job, preferences.wait_s, has_left(job.status))
     response.headers.update(preferences.applied())
     return await _described(services, request, job)
+
+
+@router.patch("/{job_id}", operation_id="relabelJob", response_model_exclude_none=True, responses=problems(404, 415, 422))
+async def relabel_job(
+    job_id: JobId,
+    change: Annotated[JobWordsChange, Body()],
+    request: Request,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+) -> StatusInfo:
+    """Give a job another name or other labels, whatever its state. What is left out stays as it is."""
+    return await _described(services, request, await run_in_threadpool(services.jobs.call, workspace, job_id, change.of))
 
 
 @router.delete("/{job_id}", operation_id="dismissJob", response_model_exclude_none=True, responses=problems(404))

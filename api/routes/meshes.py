@@ -20,7 +20,7 @@ from api.intake import limits_of, name_of, parse, require_unit
 from api.links import BASE, mesh_path
 from api.mesh_documents import describe_mesh, list_meshes
 from api.paging import add_next_link
-from api.parameters import Cursor, IdempotencyKey, MeshId, PageLimit
+from api.parameters import Cursor, IdempotencyKey, MeshId, PageLimit, TextFilter
 from api.request_folder import request_folder
 from api.responses import files, problems
 from api.schemas.mesh import MeshInfo, MeshList
@@ -124,12 +124,13 @@ def get_meshes(
     response: Response,
     services: ServicesDep,
     workspace: WorkspaceDep,
+    q: TextFilter = "",
     limit: PageLimit = 50,
     cursor: Cursor = None,
 ) -> MeshList:
     """The meshes of the workspace, newest first."""
-    page = services.meshes.list(workspace, limit=limit, cursor=cursor)
-    meshes = list_meshes(request, page, [("limit", str(limit))])
+    page = services.meshes.list(workspace, text=q, limit=limit, cursor=cursor)
+    meshes = list_meshes(request, page, [("q", q)] * bool(q) + [("limit", str(limit))])
     add_next_link(response, meshes.links)
     return meshes
 

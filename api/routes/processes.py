@@ -25,6 +25,7 @@ from api.waiting import has_ended, wait_until
 from store.callback import Subscriber
 from store.idempotency import Reply
 from store.job import Job
+from store.job_words import JobWords
 from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/processes", tags=["Processes"])
@@ -83,7 +84,7 @@ def _accept(
     """The job, and whether an earlier request with this key made it."""
     process, inputs = find_and_read(process_id, body)
     path = f"{BASE}/processes/{process_id}/execution"
-    once = Once(services, workspace, key, fingerprint_of("POST", path, body.model_dump(mode="json")))
+    once = Once(services, workspace, key, fingerprint_of("POST", path, body.identity()))
 
     def accept() -> Job:
         stored, meshes = resolve_meshes(services, workspace, inputs)
@@ -97,6 +98,7 @@ def _accept(
                 max_attempts=services.settings.max_attempts,
                 subscriber=subscriber,
                 expectation=expectation,
+                words=JobWords(body.name, body.labels),
                 session=session,
             )
             once.keep(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)

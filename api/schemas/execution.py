@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from api.schemas.document import Document
+from api.schemas.job_words import Labels, Name
 
 
 class OutputRequest(Document):
@@ -31,4 +32,11 @@ class ExecuteRequest(Document):
         None, description="Names that must be among the process' outputs; all are made"
     )
     subscriber: SubscriberRequest | None = Field(None, description="Callbacks; only where the server has a secret to sign them")
+    name: Name | None = Field(None, description="What people call the job, up to 200 characters")
+    labels: Labels = Field((), description="To find it by, `pilot` or `site=Boston`: up to 20, each up to 64 characters")
     response: Literal["document"] = Field("document", description="Results come as a document of references")
+
+    def identity(self) -> dict[str, Any]:
+        """What makes two requests the same. Without name and labels it says what servers without these words said."""
+        told = self.model_dump(mode="json")
+        return {key: value for key, value in told.items() if value or key not in ("name", "labels")}

@@ -33,6 +33,8 @@ class StatusInfo(Document):
     type: Literal["process"] = "process"
     job_id: str = Field(alias="jobID")
     process_id: str = Field(alias="processID")
+    name: str | None = Field(None, description="What people call the job")
+    labels: tuple[str, ...] = Field((), description="To find it by")
     status: JobStatus
     message: str = Field(description="What is being done, or how it ended, for people")
     progress: int = Field(ge=0, le=100, description="Percent of the whole job")

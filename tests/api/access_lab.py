@@ -47,8 +47,10 @@ class Lab:
         headers = {"Authorization": f"Bearer {key}"} if key else {}
         if "/uploads" in path:
             headers |= TUS
-        if method == "PATCH":
+        if method == "PATCH" and "/uploads" in path:
             headers["Content-Type"] = "application/offset+octet-stream"
+        elif method == "PATCH" and not more:
+            more = {"json": {}}
         with self.live.client.stream(method, path, headers=headers, **more) as response:  # type: ignore[arg-type]
             if "event-stream" not in response.headers.get("content-type", ""):
                 response.read()

@@ -15,6 +15,7 @@ from core.schema.expectation import Expectation, JobQueue
 from store.choice import Room
 from store.database import Database
 from store.job import Job, JobStatus
+from store.job_search import JobSearch
 from store.jobs import Jobs
 from store.records import JobRow
 from store.settings import Settings
@@ -124,7 +125,7 @@ def test_memory_is_that_of_the_host_whichever_process_uses_it(jobs: Jobs, submit
     assert job is not None
     finish(jobs, job)
     assert take(jobs, other) is not None
-    assert jobs.list(ADA, status=["accepted"]).items == ()
+    assert jobs.list(ADA, JobSearch(("accepted",))).items == ()
 
 
 def test_what_does_not_fit_lets_others_pass_until_its_patience_ends(db: Database, jobs: Jobs, submit: Submit) -> None:
@@ -143,7 +144,7 @@ def test_what_does_not_fit_lets_others_pass_until_its_patience_ends(db: Database
     assert beside is not None
     assert beside.id == fast[0].id, "no heavy one any more, and of the fast ones what fits beside the one that waits"
     assert take(jobs) is None
-    for job in jobs.list(ADA, status=["running"]).items:
+    for job in jobs.list(ADA, JobSearch(("running",))).items:
         if job.id != beside.id:
             finish(jobs, job)
     now = take(jobs)
@@ -220,13 +221,13 @@ def test_racing_workers_share_no_job_and_no_memory(settings: Settings, jobs: Job
             job = take(table, room, number)
             if job is None:
                 idle += 1
-                if not table.list(ADA, status=["accepted"]).items + table.list(CY, status=["accepted"]).items:
+                if not table.list(ADA, JobSearch(("accepted",))).items + table.list(CY, JobSearch(("accepted",))).items:
                     break
                 continue
             here = [
                 other
                 for name in (ADA, BOB, CY)
-                for other in table.list(name, status=["running"]).items
+                for other in table.list(name, JobSearch(("running",))).items
                 if str(other.lease_owner).startswith(room.host)
             ]
             assert len(here) <= 3, here

@@ -16,6 +16,7 @@ from core.schema.expectation import Expectation, JobQueue
 from store.choice import Room
 from store.database import Database
 from store.job import Job, JobStatus
+from store.job_search import JobSearch
 from store.jobs import Jobs
 from store.records import JobRow, TurnRow
 from store.workspace import WorkspaceId
@@ -55,7 +56,7 @@ class Lab:
         fast = sum(job.queue is JobQueue.FAST for job in here)
         free = frozenset(JobQueue) if len(here) < SLOTS else frozenset({JobQueue.FAST}) if fast < FAST_SLOTS else frozenset()
         room = Room(host, free, frozenset(JobQueue), HOSTS[host], JOB_BYTES, patience_s=1e9)
-        waiting = {workspace for workspace in WORKSPACES if self.jobs.list(workspace, status=["accepted"]).items}
+        waiting = {workspace for workspace in WORKSPACES if self.jobs.list(workspace, JobSearch(("accepted",))).items}
         job = self.jobs.claim_next(f"{host}:1", 3600.0, room)
         if job is None:
             return None

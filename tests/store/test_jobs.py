@@ -11,6 +11,7 @@ from core.errors import InputError, StateError
 from store.database import Database
 from store.events import Events
 from store.job import Job, JobStatus, MeshInput
+from store.job_search import JobSearch
 from store.jobs import Jobs
 from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import REFUSED, claimed, finish
@@ -80,11 +81,11 @@ def test_filters_mean_any_of_their_values(jobs: Jobs) -> None:
     def ids(page: tuple[Job, ...]) -> set[str]:
         return {job.id for job in page}
 
-    assert ids(jobs.list(DEFAULT_WORKSPACE, status=["running"]).items) == {running.id}
-    assert ids(jobs.list(DEFAULT_WORKSPACE, status=["running", "successful"]).items) == {running.id, done.id}
-    assert ids(jobs.list(DEFAULT_WORKSPACE, process=["validate"]).items) == {waiting.id, done.id}
-    assert ids(jobs.list(DEFAULT_WORKSPACE, process=["validate"], status=["accepted"]).items) == {waiting.id}
-    assert jobs.list(DEFAULT_WORKSPACE, process=["ears"]).items == ()
+    assert ids(jobs.list(DEFAULT_WORKSPACE, JobSearch(("running",))).items) == {running.id}
+    assert ids(jobs.list(DEFAULT_WORKSPACE, JobSearch(("running", "successful"))).items) == {running.id, done.id}
+    assert ids(jobs.list(DEFAULT_WORKSPACE, JobSearch(process=("validate",))).items) == {waiting.id, done.id}
+    assert ids(jobs.list(DEFAULT_WORKSPACE, JobSearch(("accepted",), ("validate",))).items) == {waiting.id}
+    assert jobs.list(DEFAULT_WORKSPACE, JobSearch(process=("ears",))).items == ()
 
 
 @pytest.mark.parametrize("cursor", ["", "x", "é", "AAAA", "bm90IGEgZGF0ZSBhYmM", "MjAyNi0wMS0wMVQwMDowMDowMCBh"])
