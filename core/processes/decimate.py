@@ -78,9 +78,9 @@ def run_decimate(inputs: DecimateInputs, meshes: Mapping[str, Mapping[str, Any]]
         before=before,
         made={name: result.mesh for name, result in made.items()},
         min_gap_mm=inputs.min_gap_mm,
-        summary=_summary,
+        summary=decimation_summary,
         find_broken=find_broken,
-        methods=_methods(inputs, together=len(made) > 1),
+        methods=decimation_methods(inputs, together=len(made) > 1),
         references=REFERENCES,
         parameters=inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}),
         changes=tuple({"mesh": name, **change} for name, result in made.items() for change in result.changes),
@@ -89,7 +89,8 @@ def run_decimate(inputs: DecimateInputs, meshes: Mapping[str, Mapping[str, Any]]
     return deliver_surfaces(job, run.stage("deliver", 0.6, 1.0), out_dir)
 
 
-def _summary(report: Report) -> str:
+def decimation_summary(report: Report) -> str:
+    """One sentence; of `report` meshes, pairs and comparisons count."""
     rows = [
         f"{name}: {whole(comparison.before.faces)} to {whole(report.meshes[name].faces)} faces, "
         f"deviation up to {comparison.deviation.maximum_mm:.3g} mm ({comparison.deviation.rms_mm:.2g} mm rms)"
@@ -102,7 +103,8 @@ def _summary(report: Report) -> str:
     return f"{'; '.join(rows)}. {crossing} intersecting pairs of faces{apart}."
 
 
-def _methods(inputs: DecimateInputs, *, together: bool) -> str:
+def decimation_methods(inputs: DecimateInputs, *, together: bool) -> str:
+    """Citable; numbers are those of `REFERENCES`."""
     if inputs.literal:
         return LITERAL + PROOF
     return PRIORITY[inputs.method] + GUARDS.format(together=TOGETHER.format(gap=inputs.min_gap_mm) if together else "") + PROOF

@@ -68,9 +68,9 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
         before=before,
         made={name: result.mesh for name, result in healed.items()},
         min_gap_mm=inputs.min_gap_mm,
-        summary=lambda report: _summary(report, before, healed),
+        summary=lambda report: healing_summary(report, before, healed),
         find_broken=find_broken,
-        methods=_methods(inputs),
+        methods=healing_methods(inputs),
         references=VALIDATE_REFERENCES,
         parameters=inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}),
         changes=tuple({"mesh": name, **change} for name, result in healed.items() for change in result.changes),
@@ -80,7 +80,8 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
     return deliver_surfaces(job, run.stage("deliver", 0.6, 1.0), out_dir)
 
 
-def _methods(inputs: HealInputs) -> str:
+def healing_methods(inputs: HealInputs) -> str:
+    """Citable; numbers are those of `REFERENCES` of `validate`."""
     limits = {"volume": inputs.max_volume_change, "area": inputs.max_area_change, "deviation": inputs.max_deviation_mm}
     return METHODS.format(**limits) + PROOF
 
@@ -105,7 +106,8 @@ def _is_same(source: Mesh, result: Mesh) -> bool:
     return np.array_equal(source.vertices, result.vertices) and np.array_equal(source.faces, result.faces)
 
 
-def _summary(report: Report, before: Validation, healed: Mapping[str, Healed]) -> str:
+def healing_summary(report: Report, before: Validation, healed: Mapping[str, Healed]) -> str:
+    """One sentence; of `report` meshes and comparisons count."""
     faults = sum(finding.count for finding in before.findings if finding.severity is Severity.ERROR)
     rows = []
     for name, comparison in report.comparisons.items():

@@ -18,6 +18,15 @@ class OutputFile:
     media_type: str
     file_name: str
 
+    def listed(self, out_dir: Path) -> dict[str, str]:
+        """As the worker is told of it; `out_dir` is the folder the process was given."""
+        return {
+            "name": self.name,
+            "path": str(out_dir / self.path),
+            "media_type": self.media_type,
+            "file_name": self.file_name,
+        }
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:

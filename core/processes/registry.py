@@ -56,7 +56,7 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
     if steps are kept "checkpoints": {"folder", "kept": {key: path}, "worth_s", "room_bytes"}; a step kept is announced by a
     message {"kind": "checkpoint", "key", "stage"}.
     Returns {"verdict", "summary", "outputs": [{"name", "path", "media_type", "file_name"}]} with paths below `out_dir`'s
-    parent as given. Raises: IntegumentError, whose `outputs` name the report that was left nevertheless.
+    parent as given. Raises: IntegumentError, whose `outputs` name the report, and what else was left nevertheless.
     """
     out_dir = Path(payload["out_dir"])
     process: str = payload["process"]
@@ -68,13 +68,13 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
         outcome = HANDLERS[process](inputs, payload["meshes"], context, out_dir)
     except IntegumentError as error:
         report, figures = failure_report(process, payload, error)
-        error.outputs = tuple(_listed(file, out_dir) for file in _write_report(report, figures, out_dir))
+        error.outputs = (*error.outputs, *(file.listed(out_dir) for file in _write_report(report, figures, out_dir)))
         raise
     files = (*outcome.files, *_write_report(outcome.report, outcome.figures, out_dir))
     return {
         "verdict": outcome.report.verdict,
         "summary": outcome.report.summary,
-        "outputs": [_listed(file, out_dir) for file in files],
+        "outputs": [file.listed(out_dir) for file in files],
     }
 
 
@@ -85,15 +85,6 @@ def _write_report(report: Report, figures: tuple[Figure, ...], out_dir: Path) ->
         OutputFile("report", Path("report.json"), "application/json", "report.json"),
         OutputFile("report_html", Path("report.html"), "text/html", "report.html"),
     )
-
-
-def _listed(file: OutputFile, out_dir: Path) -> dict[str, str]:
-    return {
-        "name": file.name,
-        "path": str(out_dir / file.path),
-        "media_type": file.media_type,
-        "file_name": file.file_name,
-    }
 
 
 def _kept_steps(payload: Mapping[str, Any], channel: EventSink) -> KeptSteps | None:

@@ -7,20 +7,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from core.errors import InternalError
 from core.geometry.deviation import Deviation, measure_deviation
-from core.io.registry import read_meshes, write_mesh
 from core.mesh import Mesh
 from core.package.build import build_package
 from core.package.conductivity import conductivity_of
-from core.package.read import read_shells
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.loaded_surfaces import LoadedSurfaces
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.proof import validate_once
 from core.processes.software import software_versions
+from core.processes.written_surfaces import require_unchanged, write_and_read_back
 from core.reports.figures.compare import draw_comparison
 from core.reports.figures.figure import Figure
 from core.run import RunContext
@@ -67,7 +64,7 @@ def deliver_surfaces(job: SurfaceJob, run: RunContext, out_dir: Path) -> Outcome
     Raises: InternalError `package.differs`, and `job.not_proven` with a report.
     """
     run.stage("write and read back", 0.0, 0.06)
-    delivered = _deliver(job.made, out_dir)
+    delivered = write_and_read_back(job.made, out_dir)
     after = validate_once(delivered, job.min_gap_mm, run.stage("prove", 0.06, 0.35))
     compare = run.stage("compare", 0.35, 0.5)
     deviations = {name: measure_deviation(job.source.meshes[name], mesh) for name, mesh in delivered.items()}
@@ -82,22 +79,12 @@ def deliver_surfaces(job: SurfaceJob, run: RunContext, out_dir: Path) -> Outcome
     run.stage("package", 0.92, 1.0)
     package = out_dir / "package.zip"
     packed = build_package(package, _tissues(job, report), report, figures)
-    _require_unchanged(package, delivered)
+    require_unchanged(package, delivered)
     return Outcome(packed, figures, (OutputFile("package", Path(package.name), "application/zip", package.name), *files))
 
 
-def _deliver(surfaces: Mapping[str, Mesh], out_dir: Path) -> dict[str, Mesh]:
-    """Write binary STL and read it back: what is proven is what the files hold."""
-    delivered = {}
-    for name, mesh in surfaces.items():
-        path = out_dir / f"{name}.stl"
-        write_mesh(mesh, path, "stl", name)
-        delivered[name] = read_meshes(path, file_name=path.name, unit="mm").meshes[0].mesh
-    return delivered
-
-
 def _report(job: SurfaceJob, after: Validation, delivered: Mapping[str, Mesh], deviations: Mapping[str, Deviation]) -> Report:
-    order = _in_nesting_order(after.nesting) if job.source.together else tuple(delivered)
+    order = in_nesting_order(after.nesting) if job.source.together else tuple(delivered)
     report = Report(
         process=job.process,
         verdict=after.verdict,
@@ -121,7 +108,7 @@ def _report(job: SurfaceJob, after: Validation, delivered: Mapping[str, Mesh], d
     return report.model_copy(update={"summary": job.summary(report)})
 
 
-def _in_nesting_order(nesting: Mapping[str, str | None]) -> tuple[str, ...]:
+def in_nesting_order(nesting: Mapping[str, str | None]) -> tuple[str, ...]:
     """Every name after the one that encloses it, otherwise in their order."""
     order: list[str] = []
 
@@ -156,11 +143,3 @@ def _tissues(job: SurfaceJob, report: Report) -> tuple[Tissue, ...]:
         else:
             tissues.append(Tissue(name, job.made[name], known.depth_mm, known.conductivity_s_per_m, enclosing, known.side))
     return tuple(tissues)
-
-
-def _require_unchanged(package: Path, delivered: Mapping[str, Mesh]) -> None:
-    """The package must hold the very files that were proven."""
-    packed = read_shells(package)
-    for name, mesh in delivered.items():
-        if name not in packed or not np.array_equal(packed[name].triangles(), mesh.triangles()):
-            raise InternalError("package.differs", f"the package does not hold the proven surface '{name}'", mesh=name)
