@@ -14,12 +14,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Sheet
 from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
+from numpy.typing import NDArray
 from PIL import Image
 
 DPI = 150
 INK = "#22262b"
 FAINT = "#8a9099"
 PAPER = "#ffffff"
+PNG_EFFORT = 4  # of 9: half the time of the usual 6 for 8 % more bytes
 
 _FONT_FOLDER = Path(matplotlib.get_data_path(), "fonts", "ttf")
 _FONT_FILES = {"normal": _FONT_FOLDER / "DejaVuSans.ttf", "bold": _FONT_FOLDER / "DejaVuSans-Bold.ttf"}
@@ -48,12 +50,47 @@ _GLOBAL = {"backend", "interactive", "toolbar"}
 _SETTINGS = {key: value for key, value in matplotlib.rcParamsDefault.items() if key not in _GLOBAL} | _STYLE
 
 
+class PaintedCanvas(FigureCanvasAgg):  # type: ignore[misc]  # matplotlib is not typed
+    """Agg over ready-made pictures: they are the ground that all else is drawn on, pixel for pixel."""
+
+    def __init__(self, figure: Sheet) -> None:
+        super().__init__(figure)
+        self._pictures: list[tuple[NDArray[np.uint8], int, int]] = []
+
+    def place(self, picture: NDArray[np.uint8], left_px: int, bottom_px: int) -> None:
+        """A picture (H, W, 3), row 0 at the top; what lies beyond the sheet is not shown."""
+        self._pictures.append((picture, left_px, bottom_px))
+
+    def drawn(self) -> NDArray[np.uint8]:
+        """The finished sheet, (H, W, 4)."""
+        renderer = self.get_renderer()
+        ground: NDArray[np.uint8] = np.asarray(renderer.buffer_rgba())
+        ground[:] = 255
+        for picture, left_px, bottom_px in self._pictures:
+            top = len(ground) - bottom_px - len(picture)
+            shown = picture[max(0, -top) :, max(0, -left_px) :]
+            row, column = max(0, top), max(0, left_px)
+            field = ground[row : row + len(shown), column : column + shown.shape[1], :3]
+            field[:] = shown[: field.shape[0], : field.shape[1]]
+        self.figure.patch.set_visible(False)  # it would cover the ground
+        self.figure.draw(renderer)
+        return ground
+
+
+def place_pixels(figure: Sheet, picture: NDArray[np.uint8], left_px: int, bottom_px: int) -> None:
+    """As `PaintedCanvas.place` on the canvas of a sheet."""
+    canvas = figure.canvas
+    if not isinstance(canvas, PaintedCanvas):
+        raise TypeError(f"a sheet draws on a PaintedCanvas, not on a {type(canvas).__name__}")
+    canvas.place(picture, left_px, bottom_px)
+
+
 @contextmanager
 def sheet(width_in: float, height_in: float, dpi: int = DPI) -> Iterator[Sheet]:
     """An empty figure of that size in inches; everything on it must be drawn, and `to_png` called, inside the block."""
     with matplotlib.rc_context(_SETTINGS):
         figure = Sheet(figsize=(width_in, height_in), dpi=dpi, facecolor=PAPER)
-        FigureCanvasAgg(figure)
+        PaintedCanvas(figure)
         yield figure
 
 
@@ -65,12 +102,11 @@ def to_png(figure: Sheet) -> bytes:
         text.set_fontproperties(FontProperties(fname=str(_FONT_FILES[weight]), size=text.get_fontsize()))
         text.set_parse_math(False)  # names come from users; `$` is a letter
     canvas = figure.canvas
-    if not isinstance(canvas, FigureCanvasAgg):
-        raise TypeError(f"a sheet draws with Agg, not {type(canvas).__name__}")
-    canvas.draw()
-    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    if not isinstance(canvas, PaintedCanvas):
+        raise TypeError(f"a sheet draws on a PaintedCanvas, not on a {type(canvas).__name__}")
+    image = Image.fromarray(canvas.drawn()[:, :, :3])
     out = io.BytesIO()
-    image.save(out, format="PNG")
+    image.save(out, format="PNG", compress_level=PNG_EFFORT)
     return out.getvalue()
 
 

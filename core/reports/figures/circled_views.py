@@ -15,7 +15,7 @@ from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_views, place_picture
-from core.reports.figures.view import Raster, Surface, look
+from core.reports.figures.view import Scratch, Surface, look
 from core.reports.palette import Colour, lightened
 
 Floats = NDArray[np.float64]
@@ -47,11 +47,13 @@ def draw_circled(
     with sheet(WIDTH_IN, HEIGHT_IN + legend_in, VIEW_DPI) as figure:
         below_px = round(legend_in * VIEW_DPI)
         panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
-        rasters = [look(surface, panel.view) for panel in panels]
-        for panel, raster in zip(panels, rasters, strict=True):
+        scratch, seen = Scratch(), []
+        for panel in panels:
+            raster = look(surface, panel.view, scratch)
             place_picture(figure, panel, raster.paint(paint), below_px)
-        for mark in marks:
-            for circle in _circles(mark, panels, rasters):
+            seen.append([raster.sees(mark.points, SLACK_MM) for mark in marks])
+        for number, mark in enumerate(marks):
+            for circle in _circles(mark, panels, np.array([visible[number] for visible in seen])):
                 _draw_circle(figure, circle, mark.colour, below_px)
         if marks:
             figure.legend(
@@ -71,10 +73,9 @@ class _Circle:
     hidden: bool
 
 
-def _circles(mark: Mark, panels: Sequence[Panel], rasters: Sequence[Raster]) -> list[_Circle]:
-    """The circles of one kind; places that no view shows are drawn in the first one."""
+def _circles(mark: Mark, panels: Sequence[Panel], visible: NDArray[np.bool_]) -> list[_Circle]:
+    """The circles of one kind; visible: (panels, places); places that no view shows are drawn in the first one."""
     circles = []
-    visible = np.array([raster.sees(mark.points, SLACK_MM) for raster in rasters])
     nowhere = ~visible.any(axis=0)
     for number, panel in enumerate(panels):
         hidden_here = nowhere if number == 0 else np.zeros_like(nowhere)

@@ -17,7 +17,7 @@ from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_beside, place_picture
-from core.reports.figures.view import Surface, look
+from core.reports.figures.view import Scratch, Surface, look
 from core.reports.wording import whole
 
 Floats = NDArray[np.float64]
@@ -44,13 +44,14 @@ def draw_curvature_pair(name: str, before: Mesh, after: Mesh, frame: BodyFrame) 
     half_px = round(WIDTH_IN * VIEW_DPI) // 2
     total_in = HEIGHT_IN + BAR_IN + HEAD_IN
     panels = arrange_beside(before, frame, half_px, round(HEIGHT_IN * VIEW_DPI))
+    scratch = Scratch()
     with sheet(WIDTH_IN, total_in, VIEW_DPI) as figure:
         for side, (title, mesh, curvature) in enumerate(zip(("before", "after"), (before, after), curvatures, strict=True)):
             colours = np.ascontiguousarray(colour_map(scale(curvature), bytes=True)[:, :3])
             surface = Surface.of(mesh)
             for panel in panels:
                 shifted = _shifted(panel, side * half_px)
-                place_picture(figure, shifted, look(surface, panel.view).paint(colours), round(BAR_IN * VIEW_DPI))
+                place_picture(figure, shifted, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
             words = f"{title}: {whole(len(mesh.faces))} faces"
             figure.text(0.25 + 0.5 * side, 1.0 - 0.5 * HEAD_IN / total_in, words, ha="center", va="center", fontweight="bold")
         axes = figure.add_axes((0.2, 0.42 / total_in, 0.6, 0.13 / total_in))

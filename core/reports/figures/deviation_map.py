@@ -12,7 +12,7 @@ from core.geometry.deviation import Deviation
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
-from core.reports.figures.view import Surface, look
+from core.reports.figures.view import Scratch, Surface, look
 
 COLOUR_MAP = "YlOrRd"
 WIDTH_IN, HEIGHT_IN, BAR_IN = 8.4, 5.5, 0.66
@@ -30,10 +30,10 @@ def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Fig
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     shades = PALEST + (1.0 - PALEST) * np.clip(scale(per_face), 0.0, 1.0)
     colours = np.ascontiguousarray(colour_map(shades, bytes=True)[:, :3])
-    surface = Surface.of(way.surface)
+    surface, scratch = Surface.of(way.surface), Scratch()
     with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
         for panel in arrange_views(way.surface, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
-            place_picture(figure, panel, look(surface, panel.view).paint(colours), round(BAR_IN * VIEW_DPI))
+            place_picture(figure, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
         axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
         bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal", extend="max")
         bar.outline.set_linewidth(0.4)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.geometry.body_frame import BodyFrame
 from core.geometry.section import Plane
 from core.mesh import Mesh
-from core.reports.figures.canvas import INK, sheet, to_png
+from core.reports.figures.canvas import INK, place_pixels, sheet, to_png
 from core.reports.figures.cross_sections import draw_cross_sections
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import Level
@@ -91,7 +91,7 @@ def _draw_panel(
     pixels = round(PANEL_IN * VIEW_DPI)
     view = View.of(right, up, middle - half, middle + half, pixels)
     left_px, bottom_px = (round(inches * VIEW_DPI) for inches in corner_in)
-    figure.figimage(look(surface, view).paint(paint), left_px, bottom_px)
+    place_pixels(figure, look(surface, view).paint(paint), left_px, bottom_px)
     origin = (low - view.low) * view.pixels_per_mm + (left_px, bottom_px)
     width, height = (high - low) * view.pixels_per_mm
     frame_of_box = Rectangle(

@@ -13,7 +13,7 @@ from core.mesh import Mesh
 from core.reports.figures.canvas import INK, sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
-from core.reports.figures.view import Surface, look
+from core.reports.figures.view import Scratch, Surface, look
 
 Floats = NDArray[np.float64]
 COLOUR_MAP = "magma"
@@ -28,11 +28,11 @@ def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: floa
     scale = Normalize(0.0, max(TOP_OF_SCALE * target_mm, float(high)))
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     colours = np.ascontiguousarray(colour_map(scale(per_face), bytes=True)[:, :3])
-    surface = Surface.of(mesh)
+    surface, scratch = Surface.of(mesh), Scratch()
     with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
         panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
         for panel in panels:
-            place_picture(figure, panel, look(surface, panel.view).paint(colours), round(BAR_IN * VIEW_DPI))
+            place_picture(figure, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
         axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
         bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal")
         bar.outline.set_linewidth(0.4)

@@ -107,23 +107,52 @@ class Raster:
         return visible
 
 
-def look(surface: Surface, view: View) -> Raster:
-    """What the view sees of the surface."""
+class Scratch:
+    """Room for the samples of one view after another: fresh memory costs more time than drawing into it."""
+
+    def __init__(self) -> None:
+        self._face = np.empty(0, dtype=np.int32)
+        self._depth = np.empty(0, dtype=np.float64)
+
+    def of(self, height: int, width: int) -> tuple[NDArray[np.int32], Floats]:
+        """Empty faces and depths, (height, width); what was given before is overwritten."""
+        count = height * width
+        if len(self._face) < count:
+            self._face, self._depth = np.empty(count, dtype=np.int32), np.empty(count)
+        face, depth = self._face[:count].reshape(height, width), self._depth[:count].reshape(height, width)
+        face.fill(NO_FACE)
+        depth.fill(-np.inf)
+        return face, depth
+
+
+def look(surface: Surface, view: View, scratch: Scratch | None = None) -> Raster:
+    """What the view sees of the surface; with scratch the answer holds until the next look with it."""
     width, height = (max(1, round(float(size) * view.pixels_per_mm)) * SAMPLES for size in view.high - view.low)
     vertices, faces = surface.mesh.vertices, surface.mesh.faces
     projected = np.column_stack([view.to_samples(vertices), vertices @ view.toward])
-    face = np.full((height, width), NO_FACE, dtype=np.int32)
-    depth = np.full((height, width), -np.inf)
+    face, depth = (scratch or Scratch()).of(height, width)
     _draw_faces(projected, faces, _stride(projected, faces, face.shape), face, depth)
     return Raster(view, surface, projected, face, depth)
 
 
 def _stride(projected: Floats, faces: NDArray[np.int32], shape: tuple[int, ...]) -> int:
     """1, or every how manieth face to draw so that a soup of huge faces takes bounded time."""
-    limits = np.array([shape[1], shape[0]], dtype=np.float64)
-    corners = np.clip(projected[:, :2], 0.0, limits)[faces]
-    boxes = corners.max(axis=1) - corners.min(axis=1) + 1.0
-    return 1 + int(boxes.prod(axis=1).sum() / MOST_SAMPLES_TRIED)
+    return 1 + int(_count_tried(projected, faces, shape[0], shape[1]) / MOST_SAMPLES_TRIED)
+
+
+@njit(cache=True, nogil=True)
+def _count_tried(projected: Floats, faces: NDArray[np.int32], height: int, width: int) -> float:
+    """Samples in the boxes around all faces, within a grid of height x width."""
+    total = 0.0
+    for f in range(len(faces)):
+        size = 1.0
+        for axis, limit in ((0, width), (1, height)):
+            first = projected[faces[f, 0], axis]
+            second, third = projected[faces[f, 1], axis], projected[faces[f, 2], axis]
+            low, high = max(0.0, min(first, second, third)), min(float(limit), max(first, second, third))
+            size *= max(0.0, high - low) + 1.0
+        total += size
+    return total
 
 
 @njit(cache=True, nogil=True)

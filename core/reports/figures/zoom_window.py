@@ -39,8 +39,10 @@ def zoom_window(contours: Mapping[str, Sequence[Contour]], level: Level) -> tupl
     if ZOOM_SPACINGS * sum(spacings) > LARGEST_ZOOM * window:
         return None
     points, ratio = np.concatenate(places), np.concatenate(ratios)
-    neighbours = cKDTree(points).query_ball_point(points, SMOOTHING * sum(spacings) + window / SAMPLES_ACROSS)
-    smoothed = [float(ratio[near].mean()) for near in neighbours]
+    pairs = cKDTree(points).query_pairs(SMOOTHING * sum(spacings) + window / SAMPLES_ACROSS, output_type="ndarray")
+    ends, others = pairs.ravel(), pairs[:, ::-1].ravel()
+    sums = ratio + np.bincount(ends, ratio[others], minlength=len(points))
+    smoothed = sums / (1 + np.bincount(ends, minlength=len(points)))
     allowed = (points >= (level.low if level.zoom_from is None else level.zoom_from)).all(axis=1)
     centre = points[int(np.argmin(np.where(allowed | ~allowed.any(), smoothed, np.inf)))]
     width = max(ZOOM_SPACINGS * sum(spacings), SMALLEST_ZOOM * window)
