@@ -11,10 +11,12 @@ import numpy as np
 
 from core.ears.canal import make_canal
 from core.ears.concha import find_concha
-from core.ears.cut_canals import SKIN, cut_canals
+from core.ears.cut_canals import cut_canals
 from core.ears.find_ears import find_ears
-from core.ears.remesh_seam import RemeshedSkin, remesh_seams
+from core.ears.remesh_seam import remesh_seams
 from core.geometry.body_frame import BodyFrame, find_body_frame
+from core.geometry.cut_surface import SKIN
+from core.geometry.seams import RemeshedSurface
 from core.io.naming import make_unique
 from core.mesh import Mesh
 from core.processes.ear_boxes import rounded_box
@@ -47,7 +49,7 @@ THINNER = (
 class FittedEars:
     """skin: with the canals, and which faces are their walls. ears, walls: boxes with depths. canals: names of those cut."""
 
-    skin: RemeshedSkin
+    skin: RemeshedSurface
     ears: tuple[Region, ...]
     walls: tuple[Region, ...]
     canals: tuple[str, ...]
@@ -102,7 +104,7 @@ def ear_methods(fitted: FittedEars, inputs: EarsInputs) -> str:
 
 def draw_fitted_ears(fitted: FittedEars, frame: BodyFrame, surfaces: Mapping[str, Mesh]) -> tuple[Figure, ...]:
     """Views and sections; surfaces in nesting order, the skin of `fitted` among them."""
-    wall = fitted.skin.canal_of_face != SKIN
+    wall = fitted.skin.piece != SKIN
     return draw_ears(surfaces, tissue_colours(list(surfaces)), frame, _views(fitted.ears, fitted.walls, frame), wall)
 
 
@@ -143,13 +145,13 @@ def _canals(inputs: EarsInputs, skin: Mesh, frame: BodyFrame, solids: Sequence[N
     }
 
 
-def _with_canals(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSkin:
+def _with_canals(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSurface:
     if not canals:
-        return RemeshedSkin(skin, np.full(len(skin.faces), SKIN), len(skin.faces), 0.0, 1.0)
+        return RemeshedSurface(skin, np.full(len(skin.faces), SKIN), len(skin.faces), 0.0, 1.0)
     return run.checkpoint("ears: canals", lambda: _cut(skin, canals, run), skin, canals)
 
 
-def _cut(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSkin:
+def _cut(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSurface:
     cut = cut_canals(skin, canals)
     run.advance(0.5, f"{len(canals)} canals cut, {len(cut.mesh.faces)} faces")
     remeshed = remesh_seams(cut, skin, tuple(canals.values()))
@@ -158,11 +160,11 @@ def _cut(skin: Mesh, canals: Mapping[str, Mesh], run: RunContext) -> RemeshedSki
     return remeshed
 
 
-def _wall_regions(skin: RemeshedSkin, canals: list[str], ears: tuple[Region, ...]) -> tuple[Region, ...]:
+def _wall_regions(skin: RemeshedSurface, canals: list[str], ears: tuple[Region, ...]) -> tuple[Region, ...]:
     """A region for the wall of each canal, with the depths of the ear it is nearest to."""
     regions = []
     for number, name in enumerate(make_unique([*(ear.name for ear in ears), *canals])[len(ears) :]):
-        wall = skin.mesh.vertices[np.unique(skin.mesh.faces[skin.canal_of_face == number])]
+        wall = skin.mesh.vertices[np.unique(skin.mesh.faces[skin.piece == number])]
         low, high = wall.min(axis=0) - CANAL_MARGIN_MM, wall.max(axis=0) + CANAL_MARGIN_MM
         middles = [(np.array(ear.box_mm.min) + np.array(ear.box_mm.max)) / 2 for ear in ears]
         ear = ears[int(np.argmin([np.linalg.norm(middle - (low + high) / 2) for middle in middles]))]

@@ -7,13 +7,15 @@ import pytest
 
 from core.ears.canal import make_canal
 from core.ears.concha import find_concha
-from core.ears.cut_canals import SKIN, CutSkin, cut_canals
+from core.ears.cut_canals import cut_canals
 from core.ears.find_ears import find_ears
-from core.ears.remesh_seam import RemeshedSkin, remesh_seams
+from core.ears.remesh_seam import remesh_seams
 from core.errors import InputError
+from core.geometry.cut_surface import SKIN, CutSurface
 from core.geometry.distance import closest_points
 from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.quality import quality
+from core.geometry.seams import RemeshedSurface
 from core.mesh import Mesh
 from core.validation.requirements import require_fit_skin
 from core.validation.validate import validate
@@ -34,12 +36,12 @@ def generated(subdivisions: int) -> dict[str, Mesh]:
 
 
 @cache
-def cut(subdivisions: int) -> CutSkin:
+def cut(subdivisions: int) -> CutSurface:
     return cut_canals(body(subdivisions), generated(subdivisions))
 
 
 @cache
-def remeshed(subdivisions: int) -> RemeshedSkin:
+def remeshed(subdivisions: int) -> RemeshedSurface:
     return remesh_seams(cut(subdivisions), body(subdivisions), tuple(generated(subdivisions).values()))
 
 
@@ -86,9 +88,9 @@ def test_seams_are_good_exactly_clean_and_where_they_were(subdivisions):
 def test_the_wall_is_the_canals():
     result = remeshed(0)
     for number, canal in enumerate(generated(0).values()):
-        wall = result.mesh.vertices[np.unique(result.mesh.faces[result.canal_of_face == number])]
+        wall = result.mesh.vertices[np.unique(result.mesh.faces[result.piece == number])]
         assert closest_points(canal.vertices, canal.faces, wall)[0].max() <= result.moved_mm
-    assert set(result.canal_of_face.tolist()) == {SKIN, 0, 1}
+    assert set(result.piece.tolist()) == {SKIN, 0, 1}
     removed = validate({"skin": body(0)}).meshes["skin"].volume_mm3 - validate({"skin": result.mesh}).meshes["skin"].volume_mm3
     assert removed == pytest.approx(2 * np.pi * 3.5**2 * 25, rel=0.1)
 
