@@ -38,6 +38,22 @@ class Admission:
             )
         return Access(key.workspace, key.scopes, key.id)
 
+    def admit_at_once(self, headers: Headers, need: Scope) -> Access | None:
+        """The same if it takes no waiting; None if it does, or if he may not: then `admit` says why."""
+        if not self._always and self._keys.none_at_once():
+            return EMBEDDED
+        try:
+            key = self._keys.authenticate_at_once(read_bearer(headers))
+        except InputError:
+            return None
+        if key is None or need not in key.scopes:
+            return None
+        return Access(key.workspace, key.scopes, key.id)
+
+    def close(self) -> None:
+        """Close what looks keys up."""
+        self._keys.close()
+
     def holds(self, access: Access) -> bool:
         """True while the sender of an earlier request would still be let in; asked by what lasts, as event streams do.
 

@@ -72,6 +72,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     services: Services = app.state.services
     await run_in_threadpool(services.db.migrate)
     await run_in_threadpool(sweep_incoming, services.incoming_dir, LEFT_BEHIND_S)
+    services.checkpointer.start()
     services.trail.start()
     services.http_tally.start()
     services.ringer.start()
@@ -88,8 +89,10 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         await run_in_threadpool(services.trail.stop)
         await run_in_threadpool(services.http_tally.stop)
         await run_in_threadpool(services.ringer.stop)
+        await run_in_threadpool(services.checkpointer.stop)
         services.doorbell.close()
         services.limiter.close()
+        services.admission.close()
         services.db.close()
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as AsgiScope
 
-from api.access import SCOPE_KEY
+from api.access import SCOPE_KEY, Access
 from api.admission import Admission
 from api.audit_trail import AuditTrail
 from api.audited import CODE_KEY, entry_of, entry_of_crash, is_act, refusal_of
@@ -18,6 +19,7 @@ from api.rate import rate_headers, require_allowance
 from core.errors import IntegumentError
 from store.disk_floor import DiskFloor
 from store.rate_limit import Allowance, RateLimiter
+from store.scope import Scope
 
 BRING_WORK = frozenset({"POST", "PATCH", "PUT"})  # reading and removing go on where the disk is full
 
@@ -33,7 +35,7 @@ class Gate:
         self._limiter = limiter
         self._trail = trail
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: AsgiScope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or (need := needed_scope(scope["method"], scope["path"])) is None:
             await self.app(scope, receive, send)
             return
@@ -54,9 +56,12 @@ class Gate:
             await send_with_rate(message)
 
         try:
-            access = scope[SCOPE_KEY] = await run_in_threadpool(self._admission.admit, headers, need)
-            if access.key_id is not None:  # whoever needs no key is alone on his machine: he is not counted
-                allowance = await run_in_threadpool(self._limiter.take, access.workspace)
+            known = self._admission.admit_at_once(headers, need)
+            if known is not None and known.key_id is None:  # whoever needs no key is alone on his machine: he is not counted
+                access = known
+            else:
+                access, allowance = await run_in_threadpool(self._look, headers, need, known)
+            scope[SCOPE_KEY] = access
             require_allowance(access, allowance)
             if scope["method"] in BRING_WORK:
                 self._disk.require()
@@ -73,3 +78,8 @@ class Gate:
             if unnoted:
                 self._trail.note(entry_of_crash(scope))
             raise
+
+    def _look(self, headers: Headers, need: Scope, found: Access | None) -> tuple[Access, Allowance | None]:
+        """What may wait for database and Valkey, in one thread."""
+        access = self._admission.admit(headers, need) if found is None else found
+        return access, None if access.key_id is None else self._limiter.take(access.workspace)

@@ -22,10 +22,12 @@ from store.audit import Audit
 from store.backlog import Backlog
 from store.blobs import Blobs
 from store.callbacks import Callbacks
+from store.checkpointer import Checkpointer
 from store.database import Database
 from store.disk_floor import DiskFloor
 from store.doorbell import Doorbell
 from store.events import Events
+from store.group_commit import GroupCommit
 from store.idempotency import IdempotencyKeys
 from store.job_heads import JobHeads
 from store.jobs import Jobs
@@ -52,6 +54,8 @@ class Services:
 
     settings: Settings
     db: Database
+    commits: GroupCommit
+    checkpointer: Checkpointer
     blobs: Blobs
     meshes: Meshes
     mesh_inputs: MeshInputs
@@ -103,6 +107,8 @@ def make_services(settings: Settings) -> Services:
     return Services(
         settings=settings,
         db=db,
+        commits=GroupCommit(db),
+        checkpointer=Checkpointer(db),
         blobs=blobs,
         meshes=Meshes(db, blobs, quotas),
         mesh_inputs=MeshInputs(db, blobs),

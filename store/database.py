@@ -25,12 +25,14 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from core.errors import InternalError, LimitError
 from store.settings import Settings
+from store.sqlite_begin import begin_to_write
 from store.writer_turn import WriterTurn
 
 _ONE_AT_A_TIME = threading.Lock()  # Alembic keeps the migration under way in a global
 
 BUSY_TIMEOUT_S = 10
 WAL_BYTES = 64 * 1024**2  # a write-ahead log that grew larger is cut back once it is copied into the file
+PAGE_BYTES = 4096  # SQLite's own
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 MIGRATION_LOCK = 0x1A7E6  # any number of our own: PostgreSQL's advisory locks have no names
 
@@ -216,6 +218,7 @@ def _sqlite_engine(url: str, *, foreign_keys: bool = True) -> Engine:
         for pragma in (
             "journal_mode=WAL",
             f"journal_size_limit={WAL_BYTES}",
+            f"wal_autocheckpoint={WAL_BYTES // PAGE_BYTES}",  # where no `store.checkpointer` does it before
             "synchronous=FULL",  # what was accepted survives a power cut
             enforced,
         ):
@@ -225,6 +228,9 @@ def _sqlite_engine(url: str, *, foreign_keys: bool = True) -> Engine:
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
         options: dict[str, Any] = dict(connection.get_execution_options())
-        connection.exec_driver_sql("BEGIN" if options.get("read_only") else "BEGIN IMMEDIATE")
+        if options.get("read_only"):
+            connection.exec_driver_sql("BEGIN")
+        else:
+            begin_to_write(connection, BUSY_TIMEOUT_S)
 
     return engine

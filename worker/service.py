@@ -10,6 +10,7 @@ from celery.apps import worker as celery_worker
 from celery.signals import worker_ready, worker_shutting_down
 
 from core.errors import IntegumentError
+from store.checkpointer import Checkpointer
 from store.metrics import Metrics
 from store.periodic import Periodic
 from store.receivers import Receivers
@@ -50,6 +51,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
     deliverer = Deliverer(workshop.callbacks, sender)
     presence = Presence(workshop)
     crew = Crew(workshop)
+    checkpointer = Checkpointer(workshop.db)
     rounds = (
         Periodic("presence", presence.beat, settings.reconcile_s),
         Periodic("metrics", Metrics(workshop.db).fold, settings.reconcile_s),
@@ -58,6 +60,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
 
     def on_ready(**_: Any) -> None:
         reconciler.start()
+        checkpointer.start()
         for one in rounds:
             one.start()
         if settings.callback_secret:  # else the API takes no subscribers
@@ -93,6 +96,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         deliverer.stop(settings.drain_s)
         for one in rounds:
             one.stop()
+        checkpointer.stop()
         presence.leave()
         workshop.nursery.stop()
         for job_id, attempt in workshop.closing.left:
