@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Body, Request, Response
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
@@ -62,14 +63,15 @@ async def execute_process(
 ) -> StatusInfo:
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
     subscriber = read_subscriber(services, request, body.subscriber)
-    job, replayed = await run_in_threadpool(_accept, services, workspace, process_id, body, subscriber, idempotency_key)
+    asked = (workspace, process_id, body, subscriber, idempotency_key)
+    job, replayed, position = await run_in_threadpool(_accept, services, *asked)
     if preferences.wait_s:
         job = await wait_until(services, job, preferences.wait_s, has_ended)
+        position = await run_in_threadpool(services.jobs.queue_position, workspace, job.id)
     response.headers["Location"] = job_path(job.id)
     response.headers.update(preferences.applied())
     if replayed:
         response.headers[REPLAYED] = "true"
-    position = await run_in_threadpool(services.jobs.queue_position, workspace, job.id)
     return describe_job(request, job, position)
 
 
@@ -80,8 +82,8 @@ def _accept(
     body: ExecuteRequest,
     subscriber: Subscriber | None,
     key: str | None,
-) -> tuple[Job, bool]:
-    """The job, and whether an earlier request with this key made it."""
+) -> tuple[Job, bool, int | None]:
+    """The job, whether an earlier request with this key made it, and its place in the queue."""
     process, inputs = find_and_read(process_id, body)
     path = f"{BASE}/processes/{process_id}/execution"
     once = Once(services, workspace, key, fingerprint_of("POST", path, body.identity()))
@@ -89,7 +91,8 @@ def _accept(
     def accept() -> Job:
         stored, meshes = resolve_meshes(services, workspace, inputs)
         expectation = size_up(services, process.id, stored, meshes)
-        with services.db.session() as session:
+
+        def write(session: Session) -> Job:
             job = services.jobs.create(
                 workspace,
                 process.id,
@@ -102,7 +105,11 @@ def _accept(
                 session=session,
             )
             once.keep(Reply(201, {"Location": job_path(job.id)}, {"job": job.id}), session)
+            return job
+
+        job = services.commits.run(write, workspace)
         services.ringer.ring(job)
         return job
 
-    return once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))
+    job, replayed = once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))
+    return job, replayed, services.jobs.queue_position(workspace, job.id)
