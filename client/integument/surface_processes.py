@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
@@ -27,7 +27,8 @@ ZIP_TYPE = "application/zip"
 
 
 class SurfaceProcesses(ABC):
-    """`heal`, `decimate`, `smooth`, `tetrahedralize`. All take surfaces, upload what is needed, queue the job and wait.
+    """`heal`, `decimate`, `smooth`, `separate`, `tetrahedralize`. All take surfaces, upload what is needed, queue
+    the job and wait.
 
     Alone a surface gives the output `mesh`; several, or a package, give `package` and each surface under its name.
     Further inputs go by their names in the process description. Raises: as `upload_mesh`, `execute` and `wait`.
@@ -101,6 +102,25 @@ class SurfaceProcesses(ABC):
                 {"name": name, "box_mm": {"min": list(low), "max": list(high)}} for name, (low, high) in regions.items()
             ]
         return self.wait(self.execute("smooth", {**asked, **self._surfaces(surfaces, unit)}), on_event)
+
+    def separate(
+        self,
+        surfaces: SurfacesInput,
+        *,
+        fixed: Sequence[str] = (),
+        priority: Mapping[str, int] | None = None,
+        inside: Mapping[str, str | None] | None = None,
+        unit: Unit = "mm",
+        on_event: OnEvent | None = None,
+        **inputs: Any,
+    ) -> Job:
+        """A gap between every two surfaces; `min_gap_mm` is its width, 0.1 if not given.
+
+        fixed: who may not move. priority: of two the one with the higher number stays while the other has room. inside: surface
+        -> the one that holds it most closely, None for none; who is missing is found.
+        """
+        asked = {"fixed": list(fixed), "priority": dict(priority or {}), "inside": dict(inside or {}), **inputs}
+        return self.wait(self.execute("separate", {**asked, **self._surfaces(surfaces, unit)}), on_event)
 
     def tetrahedralize(
         self,

@@ -14,6 +14,7 @@ from core.processes.failure import failure_report
 from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
+from core.processes.separate import run_separate
 from core.processes.shells import run_shells
 from core.processes.smooth import run_smooth
 from core.processes.software import software_digest
@@ -37,6 +38,7 @@ HANDLERS: dict[str, Handler] = {
     "heal": run_heal,
     "decimate": run_decimate,
     "smooth": run_smooth,
+    "separate": run_separate,
     "tetrahedralize": run_tetrahedralize,
 }
 

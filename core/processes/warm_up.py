@@ -14,8 +14,10 @@ from core.reports.figures.compose import draw_mesh_figures
 from core.schema.decimate import DecimateInputs
 from core.schema.heal import HealInputs
 from core.schema.reference import MeshReference
+from core.schema.separate import SeparateInputs
 from core.schema.shells import Layer, ShellsInputs
 from core.schema.smooth import SmoothInputs
+from core.separation.separate import separate
 from core.shells.nested_shells import create_shells
 from core.shells.reconnect import Remedy, reconnect
 from core.shells.sheet import Sheet
@@ -50,6 +52,8 @@ def warm_up() -> None:
     create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
     for method in ("wcc", "taubin"):
         smooth({"cube": cube}, SmoothInputs(mesh=inputs.skin, method=method, retriangulate=True))
+    neighbours = {"cube": cube, "neighbour": cube.with_vertices(cube.vertices + np.array([SIZE_MM, 0.0, 0.0]))}
+    separate(neighbours, SeparateInputs(meshes=dict.fromkeys(neighbours, inputs.skin)))
     for target in ({"target_faces": 10}, {"max_deviation_mm": 1.0}, {"target_faces": 10, "literal": True}):
         decimate({"cube": cube}, DecimateInputs.model_validate({"mesh": inputs.skin, **target}))
     other = cube.vertices + 0.4 * SIZE_MM

@@ -9,6 +9,7 @@ from core.schema.ears import EarsInputs
 from core.schema.graft import GraftInputs
 from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
+from core.schema.separate import SeparateInputs
 from core.schema.shells import ShellsInputs
 from core.schema.smooth import SmoothInputs
 from core.schema.tetrahedralize import TetrahedralizeInputs
@@ -150,6 +151,18 @@ SMOOTH = ProcessDescription(
     outputs=_OF_SURFACES,
     names_surfaces=True,
 )
+SEPARATE = ProcessDescription(
+    id="separate",
+    version="1.0.0",
+    title="Separate tissues",
+    description="Open a thin gap between every two surfaces that cross or touch, nested or side by side, by moving vertices as "
+    "little as possible; who may move, who stays and who has priority is yours to say. Proven free of intersections, or refused "
+    "with the places that have no room.",
+    keywords=("separate", "gap", "intersection", "tissues", "nested surfaces"),
+    inputs=SeparateInputs,
+    outputs={name: output for name, output in _OF_SURFACES.items() if name != "mesh"},
+    names_surfaces=True,
+)
 TETRAHEDRALIZE = ProcessDescription(
     id="tetrahedralize",
     version="1.0.0",
@@ -171,5 +184,5 @@ TETRAHEDRALIZE = ProcessDescription(
     },
 )
 PROCESSES: dict[str, ProcessDescription] = {
-    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, TETRAHEDRALIZE)
+    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, SEPARATE, TETRAHEDRALIZE)
 }

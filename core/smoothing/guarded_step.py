@@ -70,10 +70,14 @@ class GuardedSurface:
         """q of the faces that have a say: those around the vertices that may move."""
         return quality(self.vertices, self.net.faces[self.faces_asked])
 
-    def step(self, proposal: Vertices, obstacles: tuple[FaceTree, ...], lowest_quality: float) -> Step:
+    def choose(self, vertices: Ints) -> None:
+        """Let other vertices (K,) move from now on, ascending."""
+        self.chosen, self.faces_asked = vertices, _faces_of(self.net, vertices)
+
+    def step(self, proposal: Vertices, obstacles: tuple[FaceTree, ...], lowest_quality: float | Floats) -> Step:
         """Go to the proposal (V, 3), or as far towards it as everything holds; returns what became of it.
 
-        lowest_quality: no face goes below this q, or lower where it is lower.
+        lowest_quality: no face goes below this q, one for all or one for each (F,), or lower where it is lower.
         Keeps: clearance or, where it was broken, exactly no intersection; no face turns over; coordinates exact in float32.
         Ends, because every pass shortens a vertex' way, and with no way left it is the state before.
         """
@@ -82,7 +86,8 @@ class GuardedSurface:
         share = np.zeros(len(here))
         share[self.chosen] = 1.0
         least = np.zeros(len(faces))
-        least[self.faces_asked] = np.minimum(self.quality(), lowest_quality) * (1.0 - 1e-9)
+        lowest = np.broadcast_to(lowest_quality, len(faces))[self.faces_asked]
+        least[self.faces_asked] = np.minimum(self.quality(), lowest) * (1.0 - 1e-9)
         places = _rounded(proposal)
         asked, suspects = self.faces_asked, np.zeros(len(faces), dtype=np.bool_)
         count = 0

@@ -76,6 +76,23 @@ def require_closed_surface(mesh: Mesh, name: str) -> None:
     )
 
 
+def require_outward_surface(mesh: Mesh, name: str) -> None:
+    """As `require_closed_surface`, and its pieces look outward, its cavities into the hollow.
+
+    Raises: InputError as there, and before `surface.self_touching` `surface.inside_out`.
+    """
+    _require(
+        Surface(name, mesh),
+        ("surface.degenerate", (check_degenerate_faces,)),
+        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+        ("surface.not_closed", (check_closed,)),
+        ("surface.not_oriented", (check_orientation,)),
+        ("surface.inside_out", (check_outward,)),
+        ("surface.self_touching", (check_coincident_vertices,)),
+        ("surface.self_intersecting", (check_self_intersection,)),
+    )
+
+
 def _require(surface: Surface, *wanted: tuple[str, tuple[Check, ...]]) -> None:
     """Run checks, all of them; the code of the first that fails is raised."""
     failed: list[tuple[str, Finding]] = []

@@ -1,4 +1,4 @@
-"""What `integument heal`, `decimate`, `smooth` and `tetrahedralize` send, and what comes back."""
+"""What `integument heal`, `decimate`, `smooth`, `separate` and `tetrahedralize` send, and what comes back."""
 
 import json
 import zipfile
@@ -71,6 +71,25 @@ def test_options_of_heal(state: State, files: dict[str, str]) -> None:
     inputs = sent(state, "heal", files["skin"], "--no-fill-holes", "--pieces", "keep_all", "--max-deviation", "2", "--staircase")
     del inputs["mesh"]
     assert inputs == {"fill_holes": False, "pieces": "keep_all", "max_deviation_mm": 2.0, "staircase": True}
+
+
+def test_options_of_separate(state: State, files: dict[str, str]) -> None:
+    options = ["--fixed", "skin", "--priority", "fat=-2", "--inside", "fat=skin", "--inside", "skin=", "--min-gap", "0.2"]
+    inputs = sent(state, "separate", files["skin"], files["fat"], "--max-shift", "1.5", *options)
+    assert set(inputs.pop("meshes")) == {"skin", "fat"}
+    assert inputs == {
+        "fixed": ["skin"],
+        "priority": {"fat": -2},
+        "inside": {"fat": "skin", "skin": None},
+        "min_gap_mm": 0.2,
+        "max_shift_mm": 1.5,
+    }
+
+
+@pytest.mark.parametrize("option", [("--priority", "fat=high"), ("--inside", "fat")])
+def test_what_separate_does_not_understand_is_not_sent(state: State, files: dict[str, str], option: tuple[str, str]) -> None:
+    assert main(["separate", files["skin"], files["fat"], *option]) == 2
+    assert not state.requests("POST", "/v1/processes/separate/execution")
 
 
 def test_options_of_tetrahedralize(state: State, files: dict[str, str]) -> None:

@@ -10,7 +10,7 @@ from integument.errors import ArgumentError
 from integument.layer import as_layer
 from integument.region import Point, Region
 
-Depth = TypeVar("Depth", float, float | str)
+Depth = TypeVar("Depth", float, float | str, int, str | None)
 NO_NUMBERS = ("nan", "inf", "infinity")  # words for numbers, not names of arrays
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
@@ -45,6 +45,16 @@ def read_volumes(texts: Iterable[str]) -> dict[str, float]:
     return _read_named(texts, "--max-volume", _read_depth)
 
 
+def read_priorities(texts: Iterable[str]) -> dict[str, int]:
+    """Tissue -> whole number. Raises: ArgumentError."""
+    return _read_named(texts, "--priority", _read_whole)
+
+
+def read_inside(texts: Iterable[str]) -> dict[str, str | None]:
+    """Tissue -> the one that holds it, None for none. Raises: ArgumentError."""
+    return _read_named(texts, "--inside", _read_holder)
+
+
 def _read_named(texts: Iterable[str], option: str, read: Callable[[str, str], tuple[str, Depth]]) -> dict[str, Depth]:
     layers: dict[str, Depth] = {}
     for text in texts:
@@ -74,6 +84,21 @@ def read_box(text: str, option: str = "--region") -> dict[str, Any]:
         raise ArgumentError(f"{where}: wanted is {BOX_FORM}")
     low, high = (_read_point(part, where) for part in parts[1:])
     return {"name": parts[0], "box_mm": {"min": list(low), "max": list(high)}}
+
+
+def _read_whole(text: str, where: str) -> tuple[str, int]:
+    name, _sign, number = text.partition("=")
+    try:
+        return name, int(number)
+    except ValueError:
+        raise ArgumentError(f"{where}: wanted is name=number, a whole one, as skin=1") from None
+
+
+def _read_holder(text: str, where: str) -> tuple[str, str | None]:
+    name, sign, holder = text.partition("=")
+    if not name or not sign:
+        raise ArgumentError(f"{where}: wanted is inner=outer, as white=grey, or inner= if nothing holds it")
+    return name, holder or None
 
 
 def _read_depth(text: str, where: str) -> tuple[str, float]:

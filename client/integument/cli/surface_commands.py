@@ -1,4 +1,4 @@
-"""The commands that take surfaces: `heal`, `decimate`, `smooth`, `tetrahedralize`."""
+"""The commands that take surfaces: `heal`, `decimate`, `smooth`, `separate`, `tetrahedralize`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,24 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import BOX_FORM, RATIO_FORM, read_box, read_ratio_region, read_volumes
-from integument.cli.options import MinGapOption, ReportOption, SurfaceOption, SurfacesArgument, UnitOption, VolumeOption
+from integument.cli.layer_text import (
+    BOX_FORM,
+    RATIO_FORM,
+    read_box,
+    read_inside,
+    read_priorities,
+    read_ratio_region,
+    read_volumes,
+)
+from integument.cli.options import (
+    MinGapOption,
+    PackageOption,
+    ReportOption,
+    SurfaceOption,
+    SurfacesArgument,
+    UnitOption,
+    VolumeOption,
+)
 from integument.cli.session import connect
 from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
 from integument.errors import ArgumentError
@@ -22,6 +38,7 @@ def register(app: typer.Typer) -> None:
     app.command()(heal)
     app.command()(decimate)
     app.command()(smooth)
+    app.command()(separate)
     app.command()(tetrahedralize)
 
 
@@ -149,6 +166,37 @@ def smooth(
         min_gap_mm=min_gap,
     )
     _run(ctx, "smooth", surfaces, unit, inputs, output, report)
+
+
+def separate(
+    ctx: typer.Context,
+    surfaces: SurfacesArgument,
+    unit: UnitOption = "mm",
+    fixed: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A surface that may not move; repeat.")] = None,
+    priority: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=N", help="Of two, the one with the higher number stays while the other has room; repeat."),
+    ] = None,
+    inside: Annotated[
+        list[str] | None,
+        typer.Option(metavar="INNER=OUTER", help="Which surface holds which most closely, where it is not plain; repeat."),
+    ] = None,
+    max_shift: Annotated[
+        float | None, typer.Option(metavar="MM", help="No vertex goes farther from where it was; default 5.")
+    ] = None,
+    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Gap between every two surfaces; default 0.1.")] = None,
+    output: PackageOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Open a thin gap between surfaces that cross or touch, moving them as little as possible."""
+    inputs = _given(
+        fixed=fixed or None,
+        priority=read_priorities(priority or []) or None,
+        inside=read_inside(inside or []) or None,
+        max_shift_mm=max_shift,
+        min_gap_mm=min_gap,
+    )
+    _run(ctx, "separate", surfaces, unit, inputs, output, report)
 
 
 def tetrahedralize(

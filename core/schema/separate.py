@@ -1,0 +1,36 @@
+"""Inputs of the process `separate`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from core.schema.surfaces import SurfacesInputs
+from core.schema.validate import MeshName
+
+Priority = Annotated[int, Field(ge=-100, le=100)]
+
+
+class SeparateInputs(SurfacesInputs):
+    """Tissues that cross or touch, the gap wanted between every two of them, and who may move for it."""
+
+    min_gap_mm: float = Field(0.1, gt=0, le=10, description="Gap to open between every two surfaces")
+    fixed: Annotated[tuple[MeshName, ...], Field(max_length=64)] = Field(
+        (), description="Surfaces that keep their coordinates bit for bit; all others may move"
+    )
+    priority: Annotated[dict[MeshName, Priority], Field(max_length=64)] = Field(
+        {}, description="Of two that may move, the one with the higher number stays while the other has room; 0 if not named"
+    )
+    inside: Annotated[dict[MeshName, MeshName | None], Field(max_length=64)] = Field(
+        {},
+        description="Surface -> the one that holds it most closely, null for none. Who is not named is found by where most of it "
+        "lies",
+    )
+    max_shift_mm: float = Field(5.0, gt=0, le=100, description="No vertex goes farther from where it was")
+
+    @model_validator(mode="after")
+    def _several(self) -> SeparateInputs:
+        if self.mesh is not None or (self.meshes is not None and len(self.meshes) < 2):
+            raise ValueError("one surface has nothing to be apart from: name two or more in meshes, or a package")
+        return self

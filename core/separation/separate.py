@@ -1,0 +1,126 @@
+"""Tissues that cross or touch, moved apart until a thin gap lies between every two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import InputError, InternalError
+from core.geometry.clearance import Clearance
+from core.geometry.distance import smallest_gap_between
+from core.geometry.exact_intersection import find_intersecting_faces
+from core.mesh import Mesh
+from core.run import SILENT, RunContext
+from core.schema.separate import SeparateInputs
+from core.separation.no_room import no_room
+from core.separation.opening import open_gaps
+from core.separation.relations import Relation, find_relations
+from core.separation.tissue import Tissue
+from core.smoothing.guarded_step import OWN_CLEARANCE_MM
+from core.validation.requirements import require_outward_surface
+
+Floats = NDArray[np.float64]
+
+EASING_ROUNDS = 6
+EASED = 1.001  # of the gap: what vertices on their way home keep
+SLACK = 1e-9  # of the gap: the same minimum found on another path through the trees
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Separated:
+    """One tissue and what became of it.
+
+    mesh: exact in float32, same faces. original: as it came, rounded to float32. shift_mm: (V,) way of each vertex.
+    """
+
+    mesh: Mesh
+    original: Mesh
+    shift_mm: Floats
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Separation:
+    """All tissues by name, what each is to each other one, and the smallest gap of those that are near, in mm."""
+
+    tissues: Mapping[str, Separated]
+    relations: Mapping[tuple[str, str], Relation]
+    gaps_mm: Mapping[tuple[str, str], float]
+
+
+def separate(surfaces: Mapping[str, Mesh], inputs: SeparateInputs, run: RunContext = SILENT) -> Separation:
+    """Open `inputs.min_gap_mm` between every two surfaces.
+
+    Needs:    closed, manifold surfaces free of self-intersection; between them they may cross and touch.
+    Promises: no two of them intersect (exact) and every two are the gap apart, on coordinates exact in float32; each lies where
+              `relations` says; none intersects itself; same vertices and faces; fixed ones keep every bit; no vertex goes farther
+              than `inputs.max_shift_mm`; same input, same bytes.
+    Raises:   InputError `surface.*`, `separate.*`; InternalError `separate.not_proven`.
+    Source:   thesis Eq. (4.1), 4.1; method in docs/algorithms/separation.md.
+    """
+    look = run.stage("separate: look at the surfaces", 0.0, 0.1)
+    originals = {name: mesh.rounded_to_float32() for name, mesh in surfaces.items()}
+    _require_known(inputs, originals)
+    for count, (name, mesh) in enumerate(originals.items()):
+        require_outward_surface(mesh, name)
+        look.advance((count + 1) / len(originals))
+    relations = find_relations(originals, inputs.inside)
+    gap_mm = inputs.min_gap_mm
+    tissues = {
+        name: Tissue.of(name, mesh, inputs.priority.get(name, 0), gap_mm, movable=name not in inputs.fixed)
+        for name, mesh in originals.items()
+    }
+    left = open_gaps(tissues, relations, gap_mm, inputs.max_shift_mm, run.stage("separate: open gaps", 0.1, 0.7))
+    if left:
+        raise no_room(tissues, left, relations, inputs)
+    _ease(tissues, gap_mm, run.stage("separate: take back", 0.7, 0.9))
+    prove = run.stage("separate: proof", 0.9, 1.0)
+    gaps = _prove(tissues, gap_mm)
+    prove.advance(1.0, f"smallest gap {min(gaps.values()):.4g} mm" if gaps else "")
+    return Separation({name: _separated(tissue) for name, tissue in tissues.items()}, relations, gaps)
+
+
+def _require_known(inputs: SeparateInputs, surfaces: Mapping[str, Mesh]) -> None:
+    holders = [holder for holder in inputs.inside.values() if holder is not None]
+    unknown = sorted({*inputs.fixed, *inputs.priority, *inputs.inside, *holders} - set(surfaces))
+    if unknown:
+        raise InputError(
+            "separate.unknown_tissue",
+            f"fixed, priority or inside name {', '.join(unknown)}; the surfaces are {', '.join(surfaces)}",
+        )
+
+
+def _ease(tissues: Mapping[str, Tissue], gap_mm: float, run: RunContext) -> None:
+    """What went farther than it had to goes back, one tissue after the other, as far as the gap holds."""
+    clearance = Clearance(EASED * gap_mm, min(OWN_CLEARANCE_MM, gap_mm), ())
+    for count in range(EASING_ROUNDS):
+        moved = 0
+        for name, tissue in tissues.items():
+            others = tuple(other.tree for partner, other in tissues.items() if partner != name)
+            moved += tissue.ease(others, clearance)
+        run.advance((count + 1) / EASING_ROUNDS, f"{moved} vertices moved back")
+        if moved == 0:
+            break
+
+
+def _prove(tissues: Mapping[str, Tissue], gap_mm: float) -> dict[tuple[str, str], float]:
+    """What was promised, on what is handed out. Raises: InternalError `separate.not_proven`."""
+    starts = np.cumsum([0, *(len(tissue.vertices) for tissue in tissues.values())])
+    faces = np.concatenate(
+        [tissue.original.faces + np.int32(start) for tissue, start in zip(tissues.values(), starts, strict=False)]
+    )
+    pairs = find_intersecting_faces(np.concatenate([tissue.vertices for tissue in tissues.values()]), faces)
+    broken = [f"{len(pairs)} pairs of faces intersect"] if len(pairs) else []
+    gaps = {(a, b): smallest_gap_between(tissues[a].tree, tissues[b].tree).distance_mm for a, b in combinations(tissues, 2)}
+    broken += [f"{a} and {b} are {gap:.6g} mm apart" for (a, b), gap in gaps.items() if gap < gap_mm * (1.0 - SLACK)]
+    if broken:
+        raise InternalError("separate.not_proven", "the separated surfaces are not handed out: " + "; ".join(broken))
+    return gaps
+
+
+def _separated(tissue: Tissue) -> Separated:
+    mesh = tissue.original.with_vertices(tissue.vertices)
+    return Separated(mesh, tissue.original, np.linalg.norm(tissue.displacement(), axis=1))
