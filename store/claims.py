@@ -9,6 +9,7 @@ from datetime import timedelta
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from store.announcement import NewEvent, append_events
 from store.database import Database
 from store.job import Job, JobFailure, JobOutput, JobStatus
 from store.larger_need import larger_need
@@ -17,8 +18,6 @@ from store.records import JobRow
 from store.storable import storable, storable_text
 from store.taking import take
 from store.transition import (
-    NewEvent,
-    append_events,
     end,
     end_dismissed,
     end_failed,

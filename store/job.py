@@ -128,3 +128,5 @@ class Job:
     expires_at: datetime | None = None
     name: str | None = None
     labels: tuple[str, ...] = ()
+    cohort_id: str | None = None
+    subject: str | None = None  # of that cohort

@@ -25,6 +25,7 @@ class JobSearch:
     process: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     text: str = ""
+    cohort_id: str | None = None
 
 
 EVERY_JOB = JobSearch()
@@ -40,7 +41,7 @@ def jobs_query(workspace: WorkspaceId, search: JobSearch, after: Place | None, l
     found: Select[str] = select(job_id)
     if first:
         found = found.where(JobLabelRow.workspace == workspace, JobLabelRow.label == first)
-        if search.status or search.process or search.text:
+        if search.status or search.process or search.text or search.cohort_id:
             found = found.join(JobRow, JobRow.id == JobLabelRow.job_id)
     else:
         found = found.where(JobRow.workspace == workspace)
@@ -51,6 +52,8 @@ def jobs_query(workspace: WorkspaceId, search: JobSearch, after: Place | None, l
         found = found.where(JobRow.status.in_(search.status))
     if search.process:
         found = found.where(JobRow.process.in_(search.process))
+    if search.cohort_id is not None:
+        found = found.where(JobRow.cohort_id == search.cohort_id)
     for word in search_words(search.text):
         found = found.where(JobRow.search_text.contains(word, autoescape=True))
     if after is not None:

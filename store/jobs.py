@@ -4,32 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from datetime import datetime
 from typing import Any
-from uuid import uuid4
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from core.schema.expectation import UNKNOWN, Expectation, JobQueue
+from store.acceptance import Membership, NewJob, accept_job
 from store.admission import Admission
+from store.announcement import announce
 from store.callback import Subscriber
 from store.claims import Claims
+from store.cohort_end import reopen_cohort
 from store.database import Database
-from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.job_search import EVERY_JOB, JobSearch, jobs_query
 from store.job_words import NO_WORDS, JobWords
-from store.labelling import index_labels, label_job, relabel_job
+from store.labelling import relabel_job
 from store.page import Page, from_cursor, to_cursor
 from store.parked import require_not_parked
 from store.queue_position import find_queue_position
 from store.quotas import Quotas
 from store.reconciliation import Reconciliation
-from store.records import JobInputRow, JobRow
+from store.records import JobRow
 from store.retention_policy import RetentionPolicies
-from store.telemetry import current_traceparent
-from store.transition import announce, end_dismissed, no_such_job, owned, queue_again, snapshot
+from store.transition import end_dismissed, no_such_job, owned, queue_again, snapshot
 from store.workspace import WorkspaceId
 
 
@@ -58,63 +59,18 @@ class Jobs(Admission, Claims, Reconciliation):
         subscriber: Subscriber | None = None,
         expectation: Expectation = UNKNOWN,
         words: JobWords = NO_WORDS,
+        membership: Membership | None = None,
         session: Session | None = None,
     ) -> Job:
         """Accept a job; once this returns (or `session` commits), it survives everything. Ring the doorbell after that.
 
         Raises LimitError `quota.jobs`, `quota.bytes`, StateError `job.parked`."""
-        meshes = {mesh.href: mesh for mesh in mesh_inputs}.values()
-        fingerprint = fingerprint_of(process, inputs, meshes)
+        new = NewJob(process, inputs, tuple(mesh_inputs), expectation, words, subscriber, membership)
         with self._db.session(session) as work:
             if self._quotas is not None:
                 self._quotas.require_room_for_job(workspace, work)
-                require_not_parked(work, workspace, fingerprint)
-            now = self._db.now(work)
-            row = JobRow(
-                id=str(uuid4()),
-                workspace=workspace,
-                process=process,
-                inputs=dict(inputs),
-                fingerprint=fingerprint,
-                status=JobStatus.ACCEPTED,
-                phase="",
-                progress=0.0,
-                message="waits for a worker",
-                attempt=1,
-                max_attempts=max_attempts,
-                lease_token=0,
-                dismiss_requested=False,
-                created_at=now,
-                queued_at=now,
-                updated_at=now,
-                timings_s={},
-                event_seq=0,
-                output_bytes=0,
-                outputs=[],  # said, or they are looked for
-                subscriber=None if subscriber is None else subscriber.describe(),
-                traceparent=current_traceparent(),
-                queue=expectation.queue,
-                expected_memory_bytes=expectation.memory_bytes,
-                expected_cpu_s=expectation.cpu_s,
-                mesh_inputs=[
-                    JobInputRow(
-                        href=mesh.href,
-                        name=mesh.name,
-                        sha256=mesh.sha256,
-                        media_type=mesh.media_type,
-                        file_name=mesh.file_name,
-                        source_sha256=mesh.source_sha256,
-                    )
-                    for mesh in meshes
-                ],
-            )
-            label_job(row, words)
-            work.add(row)
-            work.flush()  # the job before its event and labels, which refer to it
-            index_labels(work, row)
-            announce(work, row, now)
-            work.flush()
-            return snapshot(row)
+                require_not_parked(work, workspace, new.fingerprint)
+            return snapshot(accept_job(work, workspace, new, max_attempts, self._db.now(work)))
 
     def get(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Raises StateError `job.not_found`."""
@@ -175,17 +131,22 @@ class Jobs(Admission, Claims, Reconciliation):
             row = owned(session, workspace, job_id, lock=True)
             now = self._db.now(session)
             status = JobStatus(row.status)
-            if status is JobStatus.ACCEPTED:
-                end_dismissed(session, row, now)
-            elif status is JobStatus.RUNNING:
-                if not row.dismiss_requested:
-                    row.dismiss_requested, row.message = True, "is being dismissed"
-                    announce(session, row, now)
+            if not status.is_finished:
+                _take_back(session, row, now)
             else:
                 job = replace(snapshot(row), status=JobStatus.DISMISSED, message="removed")
                 session.delete(row)
                 return job
             return snapshot(row)
+
+    def take_back(self, workspace: WorkspaceId, job_id: str) -> None:
+        """As `dismiss`, but what has ended, or is gone, stays as it is."""
+        with self._db.session() as session:
+            row = session.scalars(
+                select(JobRow).where(JobRow.id == job_id, JobRow.workspace == workspace).with_for_update()
+            ).one_or_none()
+            if row is not None and not JobStatus(row.status).is_finished:
+                _take_back(session, row, self._db.now(session))
 
     def retry(self, workspace: WorkspaceId, job_id: str, *, session: Session | None = None) -> Job:
         """Queue a failed or dismissed job again, for one attempt more.
@@ -207,4 +168,14 @@ class Jobs(Admission, Claims, Reconciliation):
             row.max_attempts = max(row.max_attempts, row.attempt + 1)
             row.queued_at = now = self._db.now(work)  # who asks once more waits once more
             queue_again(work, row, row.attempt + 1, "waits for a worker, retried on request", now)
+            if row.cohort_id is not None:
+                reopen_cohort(work, row.cohort_id)
             return snapshot(row)
+
+
+def _take_back(session: Session, row: JobRow, now: datetime) -> None:
+    if row.status == JobStatus.ACCEPTED:
+        end_dismissed(session, row, now)
+    elif not row.dismiss_requested:
+        row.dismiss_requested, row.message = True, "is being dismissed"
+        announce(session, row, now)

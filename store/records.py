@@ -81,6 +81,7 @@ class JobRow(Record):
         Index(None, "workspace", "fingerprint"),
         Index(None, "status", "queued_at", "id"),
         Index(None, "workspace", "finished_at"),
+        Index(None, "cohort_id", "created_at", "id"),
     )
 
     id: Mapped[str] = mapped_column(Identifier, primary_key=True)
@@ -120,6 +121,8 @@ class JobRow(Record):
     fingerprint: Mapped[str | None] = mapped_column(Digest)  # of what is asked for, by content; None: accepted by an older server
     name: Mapped[str | None] = mapped_column(Text)
     labels: Mapped[list[str] | None] = mapped_column(Json)  # to be shown; a list by label looks into `job_labels`
+    cohort_id: Mapped[str | None] = mapped_column(Identifier)  # no foreign key: SQLite could not drop the column again
+    subject: Mapped[str | None] = mapped_column(Text)
     search_text: Mapped[str] = mapped_column(String(SEARCH_CHARACTERS), server_default=text("''"))
 
     mesh_inputs: Mapped[list[JobInputRow]] = relationship(
@@ -128,6 +131,27 @@ class JobRow(Record):
     outputs: Mapped[list[JobOutputRow]] = relationship(
         cascade="all, delete-orphan", passive_deletes=True, lazy="selectin", order_by="JobOutputRow.position"
     )
+
+
+class CohortRow(Record):
+    """One request for many subjects. The jobs are rows of their own; this one says what they have in common."""
+
+    __tablename__ = "cohorts"
+    __table_args__ = (Index(None, "workspace", "created_at", "id"), Index(None, "finished_at"))
+
+    id: Mapped[str] = mapped_column(Identifier, primary_key=True)
+    workspace: Mapped[str] = mapped_column(WorkspaceName, ForeignKey(WorkspaceRow.id))
+    process: Mapped[str] = mapped_column(String(64))
+    name: Mapped[str | None] = mapped_column(Text)
+    labels: Mapped[list[str] | None] = mapped_column(Json)
+    inputs: Mapped[dict[str, Any]] = mapped_column(Json)  # what all subjects share
+    subjects: Mapped[int]
+    refused: Mapped[list[dict[str, str]]] = mapped_column(Json)  # subjects without a job, and why
+    subscriber: Mapped[dict[str, Any] | None] = mapped_column(Json)  # of the summary
+    round: Mapped[int]
+    summary_job_id: Mapped[str | None] = mapped_column(Identifier)
+    created_at: Mapped[datetime] = mapped_column(Instant)
+    finished_at: Mapped[datetime | None] = mapped_column(Instant)  # the fence: set in the transaction that queues the summary
 
 
 class JobLabelRow(Record):

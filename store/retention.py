@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from store.callback import CallbackState
 from store.database import Database
 from store.job_selector import FINISHED
-from store.records import CallbackRow, EventRow, JobInputRow, JobRow, MeshRow
+from store.records import CallbackRow, CohortRow, EventRow, JobInputRow, JobRow, MeshRow
 from store.retention_policy import RetentionPolicies
 from store.workspace import WorkspaceId
 
@@ -93,6 +93,7 @@ class Retention:
             query = _old_jobs(workspace, before).order_by(JobRow.finished_at).limit(JOBS_AT_A_TIME)
             ids = _few(session.execute(query.with_for_update(skip_locked=True)).all())
             session.execute(delete(JobRow).where(JobRow.id.in_(ids)))
+            _remove_empty_cohorts(session, workspace, before)
             return len(ids)
 
     def _remove_meshes(self, workspace: WorkspaceId, before: datetime) -> int:
@@ -120,6 +121,12 @@ def _old_jobs(workspace: WorkspaceId, before: datetime) -> Select[str, int]:
 def _talkative(workspace: WorkspaceId, before: datetime) -> Select[str, int]:
     """Not trimmed since they ended: a retry makes new events."""
     return _ended(workspace, before).where(or_(JobRow.events_trimmed_at.is_(None), JobRow.events_trimmed_at < JobRow.finished_at))
+
+
+def _remove_empty_cohorts(session: Session, workspace: WorkspaceId, before: datetime) -> None:
+    """With the last of its jobs a cohort goes."""
+    of_it = exists().where(or_(JobRow.cohort_id == CohortRow.id, JobRow.id == CohortRow.summary_job_id))
+    session.execute(delete(CohortRow).where(CohortRow.workspace == workspace, CohortRow.finished_at < before, ~of_it))
 
 
 def _ended(workspace: WorkspaceId, before: datetime) -> Select[str, int]:

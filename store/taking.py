@@ -7,11 +7,11 @@ from datetime import datetime, timedelta
 from sqlalchemy import update
 from sqlalchemy.orm import Session
 
+from store.announcement import announce
 from store.job import JobStatus
 from store.job_tally import count_attempt
 from store.outbox import tell_subscriber
 from store.records import JobRow
-from store.transition import announce
 
 
 def take(session: Session, job_id: str, attempt: int, worker: str, lease_s: float, now: datetime) -> JobRow | None:

@@ -8,26 +8,23 @@ accepted ── claim ──> running ── finish ──> successful
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
 from core.schema.expectation import JobQueue
+from store.announcement import announce
 from store.checkpoint import forget_checkpoints
+from store.cohort_end import close_cohort
 from store.job import Job, JobFailure, JobOutput, JobStatus, MeshInput
 from store.job_tally import count_end
 from store.outbox import tell_subscriber
-from store.records import EventRow, JobOutputRow, JobRow
+from store.records import JobOutputRow, JobRow
 from store.storable import storable, storable_text
 from store.workspace import WorkspaceId
-
-EVENT_LIMIT = 20_000  # ten hours of heartbeats
-
-NewEvent = tuple[str, Mapping[str, Any]]
 
 
 def owned(session: Session, workspace: WorkspaceId, job_id: str, *, lock: bool = False) -> JobRow:
@@ -55,34 +52,6 @@ def held(session: Session, job_id: str, token: int) -> JobRow | None:
     ).one_or_none()
 
 
-def append_events(session: Session, row: JobRow, events: Iterable[NewEvent], now: datetime) -> None:
-    """Number the events on from the last one of this job.
-
-    A job that talks without end is cut off after EVENT_LIMIT; what becomes of it is still told."""
-    for kind, data in events:
-        if row.event_seq >= EVENT_LIMIT and kind not in ("status", "done"):
-            continue
-        row.event_seq += 1
-        session.add(EventRow(job_id=row.id, seq=row.event_seq, type=kind, data=storable(dict(data)), at=now))
-    row.updated_at = now
-
-
-def announce(session: Session, row: JobRow, now: datetime) -> None:
-    """Tell what the job has become: `status`, or `done` when it is finished."""
-    finished = JobStatus(row.status).is_finished
-    data = {
-        "status": row.status,
-        "phase": row.phase,
-        "progress": float(row.progress),
-        "message": row.message,
-        "attempt": row.attempt,
-        "dismiss_requested": row.dismiss_requested,
-    }
-    if finished:
-        data |= {"verdict": row.verdict, "summary": row.summary, "failure": row.failure}
-    append_events(session, row, [("done" if finished else "status", data)], now)
-
-
 def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: datetime) -> None:
     """Back to accepted, and due to ring at once; a retry forgets the earlier result.
 
@@ -105,6 +74,8 @@ def end(session: Session, row: JobRow, status: JobStatus, message: str, now: dat
     announce(session, row, now)
     tell_subscriber(session, row, now)
     count_end(session, row, now)
+    if row.cohort_id is not None:
+        close_cohort(session, row.cohort_id, now)
 
 
 def end_failed(session: Session, row: JobRow, failure: JobFailure, now: datetime) -> None:
@@ -183,4 +154,6 @@ def snapshot(row: JobRow) -> Job:
         traceparent=row.traceparent,
         name=row.name,
         labels=tuple(row.labels or ()),
+        cohort_id=row.cohort_id,
+        subject=row.subject,
     )

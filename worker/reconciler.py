@@ -96,6 +96,8 @@ class Reconciler:
             logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
         for job in self._fail_unfit():
             logger.warning("job %s: no worker host can hold it", job.id)
+        for job in self._workshop.cohorts.close_ended():
+            logger.info("job %s: the summary of a cohort whose jobs have all ended", job.id)
         for job_id, attempt in self._workshop.jobs.due_to_ring(self._workshop.settings.rering_s):
             if not self._workshop.announce(job_id, attempt):
                 return False

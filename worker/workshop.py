@@ -14,6 +14,7 @@ from store.audit import Audit
 from store.blobs import Blobs
 from store.callbacks import Callbacks
 from store.checkpoints import Checkpoints
+from store.cohorts import Cohorts
 from store.database import Database
 from store.doorbell import Doorbell
 from store.idempotency import IdempotencyKeys
@@ -35,6 +36,7 @@ class Workshop:
     settings: Settings
     db: Database
     jobs: Jobs
+    cohorts: Cohorts
     callbacks: Callbacks
     checkpoints: Checkpoints
     blobs: Blobs
@@ -53,10 +55,12 @@ class Workshop:
     def open(cls, settings: Settings, *, target: str = TARGET, preload: Sequence[str] | None = None) -> Workshop:
         """Connects to nothing yet; `preload` defaults to the target's module."""
         db = Database(settings)
+        jobs = Jobs(db)
         return cls(
             settings=settings,
             db=db,
-            jobs=Jobs(db),
+            jobs=jobs,
+            cohorts=Cohorts(db, jobs),
             callbacks=Callbacks(db),
             checkpoints=Checkpoints(db, settings.checkpoint_bytes),
             blobs=open_blobs(settings, db),
