@@ -5,13 +5,18 @@ from __future__ import annotations
 import logging
 import queue
 import threading
+import time
+from collections import Counter
 
 from core.errors import IntegumentError
+from core.schema.expectation import JobQueue
 from store.doorbell import Doorbell
 from store.job import Job
 from store.jobs import Jobs
 
-MOST_AT_ONCE = 200  # announced by one transaction
+MOST_AT_ONCE = 200  # marked by one transaction
+MARK_S = 0.25  # between a bell and the mark that it was rung: accepting waits for no second transaction
+BELLS = 16  # of one moment and queue: a worker that hears one takes all it has room for
 
 logger = logging.getLogger(__name__)
 
@@ -19,13 +24,15 @@ logger = logging.getLogger(__name__)
 class Ringer:
     """Thread-safe; `ring` never waits.
 
-    What is accepted within the same moment is marked as announced in one transaction. Whatever gets lost here, with this
+    Bells are rung at once, the marks that they were follow for a quarter second together. Whatever gets lost here, with this
     process or with the broker, the reconciler of a worker announces a few seconds later: the job table is the truth."""
 
     def __init__(self, doorbell: Doorbell, jobs: Jobs) -> None:
         self._doorbell = doorbell
         self._jobs = jobs
         self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._rung: list[tuple[str, int]] = []
+        self._mark_at = 0.0
         self._thread = threading.Thread(target=self._loop, name="ringer", daemon=True)
 
     def start(self) -> None:
@@ -48,15 +55,20 @@ class Ringer:
             jobs, open_ = self._next()
             try:
                 self._announce(jobs)
+                if self._rung and (not open_ or len(self._rung) >= MOST_AT_ONCE or time.monotonic() >= self._mark_at):
+                    self._mark()
             except IntegumentError as error:
                 logger.warning("%d jobs are announced later: %s", len(jobs), error)
             except Exception:
                 logger.exception("%d jobs are announced later", len(jobs))
 
     def _next(self) -> tuple[list[Job], bool]:
-        """All that wait, one at least; False if it is the end."""
+        """All that wait: one at least, unless marks are due before; False if it is the end."""
         jobs: list[Job] = []
-        job = self._waiting.get()
+        try:
+            job = self._waiting.get(timeout=max(self._mark_at - time.monotonic(), 0.0) if self._rung else None)
+        except queue.Empty:
+            return jobs, True
         while job is not None:
             jobs.append(job)
             if len(jobs) == MOST_AT_ONCE or self._waiting.empty():
@@ -65,10 +77,16 @@ class Ringer:
         return jobs, False
 
     def _announce(self, jobs: list[Job]) -> None:
-        rung = []
+        bells: Counter[JobQueue] = Counter()
         for job in jobs:
-            if not self._doorbell.ring(job.id, job.attempt, job.queue):
-                break  # the others would wait as long in vain
-            rung.append((job.id, job.attempt))
-        if rung:
-            self._jobs.mark_all_rung(rung)
+            if bells[job.queue] < BELLS and not self._doorbell.ring(job.id, job.attempt, job.queue):
+                return  # the others would wait as long in vain
+            bells[job.queue] += 1
+            if not self._rung:
+                self._mark_at = time.monotonic() + MARK_S
+            self._rung.append((job.id, job.attempt))
+
+    def _mark(self) -> None:
+        """What the database does not take now, the reconciler rings for once more."""
+        rung, self._rung = self._rung, []
+        self._jobs.mark_all_rung(rung)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import redis
 
-from api.ringing import Ringer
+from api.ringing import BELLS, Ringer
 from store.database import Database
 from store.doorbell import Doorbell
 from store.job import Job
@@ -43,6 +44,34 @@ def test_everything_that_was_accepted_is_announced_before_the_end(jobs: Jobs, va
     ringer.stop()
     assert rung(jobs) == len(waiting)
     assert jobs.due_to_ring(60.0) == []
+
+
+def test_bells_ring_at_once_and_are_marked_together_soon(jobs: Jobs, valkey: ValkeyServer) -> None:
+    """A crowd of one moment needs no bell each: who hears one takes all he has room for."""
+    ringer, broker = Ringer(Doorbell(valkey.url, "here"), jobs), redis.Redis(unix_socket_path=str(valkey.socket_path))
+    ringer.start()
+    first = accepted(jobs, 1)[0]
+    ringer.ring(first)
+    heard = f"here.{first.queue.value}"
+    assert wait_for(lambda: broker.llen(heard) == 1)
+    assert wait_for(lambda: rung(jobs) == 1)
+    crowd = accepted(jobs, BELLS + 10)
+    late = Ringer(Doorbell(valkey.url, "here"), jobs)
+    for job in crowd:
+        late.ring(job)
+    late.start()
+    late.stop()
+    ringer.stop()
+    assert rung(jobs) == len(crowd) + 1
+    assert broker.llen(heard) == BELLS + 1
+    broker.close()
+
+
+def wait_for(reached: Callable[[], bool]) -> bool:
+    deadline = time.monotonic() + 20
+    while not reached() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    return reached()
 
 
 def test_a_job_that_was_taken_meanwhile_is_left_alone(jobs: Jobs, valkey: ValkeyServer) -> None:
