@@ -7,6 +7,7 @@ from pydantic import Field
 from core.schema.model import FrozenModel
 
 CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"  # the internal form of an upload (core.io.canonical)
+VOLUME_MEDIA_TYPE = "application/x-integument-volume"  # the internal form of an uploaded label volume (core.io.canonical_volume)
 MESH_MEDIA_TYPES = (CANONICAL_MEDIA_TYPE, "model/stl")
 PACKAGE_MEDIA_TYPES = ("application/zip",)
 MESH_HREF = r"/v1/meshes/[0-9a-f-]{36}"
@@ -34,4 +35,14 @@ class PackageReference(MeshReference):
         description="`/v1/jobs/{id}/results/package` of a job that made one",
         max_length=500,
         pattern=rf"^(https?://[^/]+)?{RESULT_HREF}$",
+    )
+
+
+class VolumeReference(MeshReference):
+    """A link to a label volume this server holds."""
+
+    href: str = Field(
+        description="`/v1/meshes/{id}` of an upload whose format is nifti",
+        max_length=500,
+        pattern=rf"^(https?://[^/]+)?{MESH_HREF}$",
     )

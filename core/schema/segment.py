@@ -1,0 +1,59 @@
+"""Inputs of the process `segment`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from core.schema.model import FrozenModel
+from core.schema.reference import VolumeReference
+from core.schema.surfaces import RESERVED_NAMES
+from core.schema.validate import MeshName
+
+LabelNumber = Annotated[str, Field(pattern=r"^[1-9][0-9]{0,4}$", description="A label of the volume, 1 to 65535")]
+
+
+class SegmentParameters(FrozenModel):
+    """Which labels become surfaces, and how."""
+
+    names: Annotated[dict[LabelNumber, MeshName], Field(max_length=1024)] = Field(
+        {},
+        description='Label -> name of its surface, as `{"2": "white_matter", "41": "white_matter"}`: labels of one name become '
+        "one surface",
+    )
+    others: Literal["ignore", "include"] | None = Field(
+        None,
+        description="Labels without a name: `include` calls them label_<number>, `ignore` takes them as nothing. Default: "
+        "`ignore` if there are names, else `include`",
+    )
+    islands: Literal["keep_largest", "keep_above", "keep_all"] = Field(
+        "keep_largest", description="Pieces of a label: the largest, those of `min_island_mm3` or more, or all"
+    )
+    min_island_mm3: float = Field(100.0, gt=0, description="For `keep_above`: smallest volume of a piece that stays")
+    cavities: Literal["fill", "keep"] = Field(
+        "fill",
+        description="`fill`: a surface is the outer border of its label, what the label encloses lies within it, as packages "
+        "have it; `keep`: borders of cavities belong to the surface, too",
+    )
+    smoothing: int = Field(10, ge=0, le=100, description="Steps of Taubin smoothing, within 0.3 of a voxel; 0: none")
+    faces_share: float = Field(
+        0.33, gt=0, le=1, description="Share of the faces of the first surface, about 9 per voxel, that stays"
+    )
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Self:
+        names = sorted(set(self.names.values()))
+        # names become outputs and files, and some file systems do not tell cases apart
+        if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
+            raise ValueError(f"names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
+        return self
+
+
+class SegmentInputs(SegmentParameters):
+    """A volume of labels, and what becomes of it."""
+
+    volume: VolumeReference = Field(description="An uploaded label volume (NIfTI)")
+    min_gap_mm: float = Field(
+        0.1, gt=0, le=10, description="Smallest distance between two surfaces; at most a quarter of the smallest side of a voxel"
+    )
