@@ -27,7 +27,9 @@ CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"
 
 @dataclass(frozen=True, slots=True)
 class MeshUpload:
-    """A file that was received and read: `path` holds the bytes as sent, `canonical_path` what the intake made of them."""
+    """A file that was received and read: `path` holds the bytes as sent, `canonical_path` what the intake made of them.
+
+    volume: voxels and labels of a label volume, which has no vertices and faces; None for a mesh."""
 
     path: Path
     canonical_path: Path
@@ -40,6 +42,7 @@ class MeshUpload:
     extents_mm: tuple[float, float, float]
     findings: tuple[Mapping[str, Any], ...] = ()
     arrays: tuple[Mapping[str, Any], ...] = ()
+    volume: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,7 @@ class MeshRecord:
     findings: tuple[Mapping[str, Any], ...]
     created_at: datetime
     arrays: tuple[Mapping[str, Any], ...] = ()
+    volume: Mapping[str, Any] | None = None
 
 
 class Meshes:
@@ -104,6 +108,7 @@ class Meshes:
                 extents_mm=list(upload.extents_mm),
                 findings=storable([dict(finding) for finding in upload.findings]),
                 arrays=storable([dict(array) for array in upload.arrays]),
+                volume=storable(dict(upload.volume)) if upload.volume is not None else None,
                 created_at=self._db.now(work),
             )
             work.add(row)
@@ -162,4 +167,5 @@ def _record(row: MeshRow) -> MeshRecord:
         findings=tuple(row.findings),
         created_at=row.created_at,
         arrays=tuple(row.arrays or ()),
+        volume=row.volume,
     )

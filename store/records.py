@@ -66,6 +66,7 @@ class MeshRow(Record):
     findings: Mapped[list[dict[str, Any]]] = mapped_column(Json)
     created_at: Mapped[datetime] = mapped_column(Instant)
     arrays: Mapped[list[dict[str, Any]] | None] = mapped_column(Json)  # numbers on vertices; null: taken in before they were kept
+    volume: Mapped[dict[str, Any] | None] = mapped_column(Json)  # voxels and labels of a label volume; null: a mesh
 
 
 class JobRow(Record):
