@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from core.errors import IntegumentError, StateError
 from core.processes.checkpoints.kept_steps import KeptSteps
+from core.processes.cohort_summary import run_cohort_summary
 from core.processes.decimate import run_decimate
 from core.processes.ears import run_ears
 from core.processes.failure import failure_report
@@ -24,6 +25,7 @@ from core.processes.warm_up import warm_up
 from core.reports.figures.figure import Figure
 from core.reports.html import render_html
 from core.run import RunContext, RunEvent
+from core.schema.cohort import COHORT_SUMMARY
 from core.schema.processes import PROCESSES
 from core.schema.report import Report
 
@@ -63,6 +65,8 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
     out_dir = Path(payload["out_dir"])
     process: str = payload["process"]
     context = RunContext(sink=lambda event: channel.send(_message(event)), checkpoints=_kept_steps(payload, channel))
+    if process == COHORT_SUMMARY:
+        return run_cohort_summary(payload, context, out_dir)
     if process not in HANDLERS:
         raise StateError("process.not_found", f"there is no process '{process}'", process=process)
     try:
