@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from store.job import JobStatus
+from store.job import Job, JobStatus
 from store.records import EventRow, JobRow
 from store.storable import storable
 
@@ -31,15 +31,19 @@ def append_events(session: Session, row: JobRow, events: Iterable[NewEvent], now
 
 def announce(session: Session, row: JobRow, now: datetime) -> None:
     """Tell what the job has become: `status`, or `done` when it is finished."""
-    finished = JobStatus(row.status).is_finished
-    data = {
-        "status": row.status,
-        "phase": row.phase,
-        "progress": float(row.progress),
-        "message": row.message,
-        "attempt": row.attempt,
-        "dismiss_requested": row.dismiss_requested,
-    }
+    finished, data = JobStatus(row.status).is_finished, status_data(row)
     if finished:
         data |= {"verdict": row.verdict, "summary": row.summary, "failure": row.failure}
     append_events(session, row, [("done" if finished else "status", data)], now)
+
+
+def status_data(job: Job | JobRow) -> dict[str, Any]:
+    """Of an event `status`."""
+    return {
+        "status": str(job.status),
+        "phase": job.phase,
+        "progress": float(job.progress),
+        "message": job.message,
+        "attempt": job.attempt,
+        "dismiss_requested": job.dismiss_requested,
+    }

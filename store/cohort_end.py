@@ -14,7 +14,7 @@ from core.schema.cohort import COHORT_SUMMARY, SUMMARY_NEED
 from store.acceptance import NewJob, accept_job
 from store.announcement import announce
 from store.callback import Subscriber
-from store.job import JobStatus, MeshInput
+from store.job import Job, JobStatus, MeshInput
 from store.job_words import JobWords
 from store.records import CohortRow, JobOutputRow, JobRow
 from store.workspace import WorkspaceId
@@ -30,7 +30,7 @@ def locked_cohort(session: Session, cohort_id: str) -> CohortRow | None:
     return session.scalars(query.execution_options(populate_existing=True)).one_or_none()
 
 
-def close_cohort(session: Session, cohort_id: str, now: datetime) -> JobRow | None:
+def close_cohort(session: Session, cohort_id: str, now: datetime) -> Job | None:
     """The summary, if this was its last job; to be called after every job of it that ended."""
     session.flush()
     cohort = locked_cohort(session, cohort_id)

@@ -70,7 +70,7 @@ class Jobs(Admission, Claims, Reconciliation):
             if self._quotas is not None:
                 self._quotas.require_room_for_job(workspace, work)
                 require_not_parked(work, workspace, new.fingerprint)
-            return snapshot(accept_job(work, workspace, new, max_attempts, self._db.now(work)))
+            return accept_job(work, workspace, new, max_attempts, self._db.now(work))
 
     def get(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Raises StateError `job.not_found`."""
