@@ -36,6 +36,7 @@ COPY server server
 COPY store store
 COPY worker worker
 COPY --from=page /src/api/static api/static
+COPY --from=page /src/core/reports/viewer core/reports/viewer
 RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --extra telemetry --no-editable
 

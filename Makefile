@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.synced
 PAGE := api/static/index.html
+VIEWER := core/reports/viewer/viewer.js
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
 .PHONY: help demo serve test check docs bench clean web debian faults fuzz audit soak load
@@ -16,15 +17,15 @@ $(STAMP): pyproject.toml client/pyproject.toml uv.lock scripts/bootstrap_uv.py
 	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" sync --frozen --quiet
 	@touch $@
 
-$(PAGE): $(STAMP) $(PAGE_SOURCES) scripts/web.py
+$(PAGE) $(VIEWER) &: $(STAMP) $(PAGE_SOURCES) scripts/web.py
 	$(BIN)/python scripts/web.py build
 
-web: $(PAGE) ## build the web page into api/static
+web: $(PAGE) $(VIEWER) ## build the web page into api/static, and the viewer that reports carry
 
-demo: $(STAMP) $(PAGE) ## the main job on the real human body, over HTTP; leaves out/demo/
+demo: $(STAMP) $(PAGE) $(VIEWER) ## the main job on the real human body, over HTTP; leaves out/demo/
 	$(BIN)/python scripts/demo.py
 
-serve: $(STAMP) $(PAGE) ## run the embedded server
+serve: $(STAMP) $(PAGE) $(VIEWER) ## run the embedded server
 	$(BIN)/integument serve
 
 check: $(STAMP) ## style, types, import contracts, drift of openapi/
@@ -41,22 +42,22 @@ docs: $(STAMP) ## build the documentation site into out/docs; a link that leads 
 debian: $(STAMP) # a browser and libraries that the tests need
 	@$(BIN)/python scripts/debian_packages.py
 
-test: check $(PAGE) debian ## everything a release needs
+test: check $(PAGE) $(VIEWER) debian ## everything a release needs
 	$(BIN)/python scripts/web.py test
 	$(BIN)/pytest --numprocesses 2 --max-worker-restart 0 --dist loadfile
 
-bench: $(STAMP) ## compare with peers; prints ratios
+bench: $(STAMP) $(VIEWER) ## compare with peers; prints ratios
 	$(BIN)/python -m benchmarks
 
-load: $(STAMP) ## load a server of its own on loopback; prints what it holds of its promises, about 15 minutes
+load: $(STAMP) $(VIEWER) ## load a server of its own on loopback; prints what it holds of its promises, about 15 minutes
 	$(BIN)/python -m benchmarks.load
 
 SEED ?= 1
 JOBS ?= 200
-faults: $(STAMP) ## kill, pause, cut, fill and confuse a whole lab by SEED while it does JOBS; leaves out/faults/, about 10 minutes
+faults: $(STAMP) $(VIEWER) ## kill, pause, cut, fill and confuse a whole lab by SEED while it does JOBS; leaves out/faults/, about 10 minutes
 	$(BIN)/python -m tests.acceptance.faults --seed $(SEED) --jobs $(JOBS)
 
-soak: $(STAMP) ## a busy day of a lab by a set clock, on both databases; prints what is left after each hour, about 10 minutes
+soak: $(STAMP) $(VIEWER) ## a busy day of a lab by a set clock, on both databases; prints what is left after each hour, about 10 minutes
 	$(BIN)/pytest -m slow -s tests/soak
 
 FUZZ_SECONDS ?= 60
@@ -68,4 +69,4 @@ audit: $(STAMP) ## ask the advisory services about every locked package; needs t
 	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" audit --frozen
 
 clean: ## forget the environment and everything made
-	rm -rf $(VENV) .uv out web/node_modules api/static
+	rm -rf $(VENV) .uv out web/node_modules api/static core/reports/viewer

@@ -1,5 +1,6 @@
 """The web page: `build` it into api/static, `check` its sources, `test` its logic, `format` them. Node.js comes from a wheel.
 
+`build` also makes the viewer that reports carry, in core/reports/viewer.
 What npm fetches is named, with checksums, by web/package-lock.json; nothing else of the machine is used.
 """
 
@@ -17,7 +18,10 @@ WEB = Path(__file__).resolve().parent.parent / "web"
 MODULES = WEB / "node_modules"
 INSTALLED = MODULES / ".installed"  # the lock file these modules were installed from
 VERBS = {
-    "build": (("vite", "build", "--logLevel", "warn"),),
+    "build": (
+        ("vite", "build", "--logLevel", "warn"),
+        ("vite", "build", "--config", "vite.report.config.ts", "--logLevel", "warn"),
+    ),
     "check": (("biome", "check", "--colors=off", "--log-level=warn", "."), ("tsc", "--noEmit")),
     "format": (("biome", "check", "--colors=off", "--write", "."),),
     "test": (("vitest", "run"),),

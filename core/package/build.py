@@ -22,6 +22,7 @@ from core.package.requirements import require_packable
 from core.package.tissue import Tissue
 from core.reports.figures.figure import Figure
 from core.reports.html import render_html
+from core.reports.scene.scene import make_scene
 from core.schema.report import Report
 
 LONE_MM = 0.04  # how far below a surface without neighbours its region's point may be, times four
@@ -42,12 +43,13 @@ def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, fig
             _write_surfaces(folder, tissue)
         checksums = {tissue.name: _sha256(folder / "stl" / f"{tissue.name}.stl") for tissue in tissues}
         packed = _with_checksums(report, checksums)
+        scene = make_scene({tissue.name: tissue.mesh for tissue in tissues})
         _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
         _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
         _write_solver_files(folder, tissues, report)
         _write_text(folder / "README.txt", readme_text(tissues, report))
         _write_text(folder / "report" / "report.json", packed.model_dump_json(indent=2) + "\n")
-        _write_text(folder / "report" / "report.html", render_html(packed, figures))
+        _write_text(folder / "report" / "report.html", render_html(packed, figures, scene))
         for figure in figures:
             _parent_of(folder / "report" / "figures" / f"{figure.name}.png").write_bytes(figure.png)
         files = {path.relative_to(folder).as_posix(): _entry(path) for path in sorted(folder.rglob("*")) if path.is_file()}

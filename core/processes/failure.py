@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from pydantic import ValidationError
+
 from core.errors import IntegumentError
+from core.io.naming import make_unique
+from core.mesh import Mesh
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.named_input import load_input
+from core.processes.outcome import Outcome
 from core.processes.software import software_versions
 from core.reports.figures.compose import draw_mesh_figures
-from core.reports.figures.figure import Figure
 from core.run import SILENT
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
@@ -18,8 +22,8 @@ from core.schema.report import Report
 from core.schema.surfaces import SurfacesInputs
 
 
-def failure_report(process: str, payload: Mapping[str, Any], error: IntegumentError) -> tuple[Report, tuple[Figure, ...]]:
-    """Why and where it failed, with pictures of the mesh and the places if findings name any."""
+def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentError) -> Outcome:
+    """Why and where it failed, with the meshes it was given, in pictures and in 3D, and the places if findings name any."""
     known = error.report or Report(process=process, verdict="not_ready", summary=error.message)
     findings = (*known.findings, *error.findings) or (
         Finding(code=error.code, severity=Severity.ERROR, message=error.message, count=1),
@@ -33,16 +37,21 @@ def failure_report(process: str, payload: Mapping[str, Any], error: IntegumentEr
             "software": software_versions(),
         }
     )
-    return report, (*error.figures, *_pictures(process, payload, findings))
+    surfaces = _given(process, payload, error)
+    figures = draw_mesh_figures(surfaces, pairs=report.pairs, findings=findings) if surfaces else ()
+    return Outcome(report, (*error.figures, *figures), surfaces=surfaces)
 
 
-def _pictures(process: str, payload: Mapping[str, Any], findings: tuple[Finding, ...]) -> tuple[Figure, ...]:
-    """The meshes of the job with the places circled; none if no finding has a place."""
-    if not any(finding.places for finding in findings) or not payload["meshes"]:
-        return ()
+def _given(process: str, payload: Mapping[str, Any], error: IntegumentError) -> dict[str, Mesh]:
+    """The meshes of the job by name; none where a limit was reached or where reading them is what failed."""
+    if error.fault == "limit" or not payload["meshes"]:
+        return {}
     kind = PROCESSES[process].inputs
-    if issubclass(kind, SurfacesInputs):
-        meshes = load_surfaces(kind.model_validate(payload["inputs"]), payload["meshes"], SILENT).meshes
-        return draw_mesh_figures(meshes, findings=findings)
-    href = next(iter(payload["meshes"]))
-    return draw_mesh_figures({"skin": load_input(href, payload["meshes"]).mesh}, findings=findings)
+    try:
+        if issubclass(kind, SurfacesInputs):
+            return dict(load_surfaces(kind.model_validate(payload["inputs"]), payload["meshes"], SILENT).meshes)
+        loaded = [load_input(href, payload["meshes"]) for href in payload["meshes"]]
+    except (IntegumentError, ValidationError):
+        return {}
+    names = ["skin"] if len(loaded) == 1 else make_unique(entry.name for entry in loaded)
+    return {name: entry.mesh for name, entry in zip(names, loaded, strict=True) if len(entry.mesh.faces)}

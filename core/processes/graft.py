@@ -13,7 +13,7 @@ from core.grafting.graft import Graft, graft
 from core.io.registry import read_meshes, write_mesh
 from core.mesh import Mesh
 from core.processes.named_input import NamedInput, load_input
-from core.processes.outcome import Outcome, OutputFile
+from core.processes.outcome import BEFORE, Outcome, OutputFile
 from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
@@ -80,7 +80,8 @@ def run_graft(inputs: GraftInputs, meshes: Mapping[str, Mapping[str, Any]], run:
     _require_proven(report, made.mesh, delivered)
     run.stage("figures", 0.8, 1.0)
     figures = draw_mesh_figures({OUTPUT: delivered}, findings=report.findings)
-    return Outcome(report, figures, (OutputFile(OUTPUT, Path(f"{OUTPUT}.stl"), "model/stl", f"{OUTPUT}.stl"),))
+    files = (OutputFile(OUTPUT, Path(f"{OUTPUT}.stl"), "model/stl", f"{OUTPUT}.stl"),)
+    return Outcome(report, figures, files, {OUTPUT: delivered, **{f"{name}{BEFORE}": mesh for name, mesh in surfaces.items()}})
 
 
 def _deliver(mesh: Mesh, out_dir: Path) -> Mesh:

@@ -81,6 +81,7 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
             OutputFile("package", Path(package.name), "application/zip", package.name),
             *(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in surfaces),
         ),
+        delivered,
     )
 
 

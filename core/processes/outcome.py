@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from core.mesh import Mesh
 from core.reports.figures.figure import Figure
 from core.schema.report import Report
+
+BEFORE = " before"  # as on the web page
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +32,20 @@ class OutputFile:
         }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Outcome:
-    """The end of a process that did what it promises; `report.verdict` may still be not_ready."""
+    """The end of a process; `report.verdict` may be not_ready though it did what it promises.
+
+    surfaces: what the report shows in 3D; one whose name ends with `BEFORE` is hidden until asked for.
+    """
 
     report: Report
     figures: tuple[Figure, ...]
     files: tuple[OutputFile, ...] = ()
+    surfaces: Mapping[str, Mesh] = field(default_factory=dict)
+
+
+def with_originals(results: Mapping[str, Mesh], originals: Mapping[str, Mesh]) -> dict[str, Mesh]:
+    """Results with what they were made from, for `Outcome.surfaces`; an original that is unchanged is left out."""
+    former = {name: mesh for name, mesh in originals.items() if name in results and mesh is not results[name]}
+    return {**results, **{f"{name}{BEFORE}": mesh for name, mesh in former.items()}}

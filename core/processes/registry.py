@@ -11,7 +11,7 @@ from core.processes.checkpoints.kept_steps import KeptSteps
 from core.processes.cohort_summary import run_cohort_summary
 from core.processes.decimate import run_decimate
 from core.processes.ears import run_ears
-from core.processes.failure import failure_report
+from core.processes.failure import failure_outcome
 from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
@@ -22,12 +22,11 @@ from core.processes.software import software_digest
 from core.processes.tetrahedralize import run_tetrahedralize
 from core.processes.validate import run_validate
 from core.processes.warm_up import warm_up
-from core.reports.figures.figure import Figure
 from core.reports.html import render_html
+from core.reports.scene.scene import make_scene
 from core.run import RunContext, RunEvent
 from core.schema.cohort import COHORT_SUMMARY
 from core.schema.processes import PROCESSES
-from core.schema.report import Report
 
 __all__ = ["HANDLERS", "run", "warm_up"]
 
@@ -73,10 +72,10 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
         inputs = PROCESSES[process].inputs.model_validate(payload["inputs"])
         outcome = HANDLERS[process](inputs, payload["meshes"], context, out_dir)
     except IntegumentError as error:
-        report, figures = failure_report(process, payload, error)
-        error.outputs = (*error.outputs, *(file.listed(out_dir) for file in _write_report(report, figures, out_dir)))
+        failed = failure_outcome(process, payload, error)
+        error.outputs = (*error.outputs, *(file.listed(out_dir) for file in _write_report(failed, out_dir)))
         raise
-    files = (*outcome.files, *_write_report(outcome.report, outcome.figures, out_dir))
+    files = (*outcome.files, *_write_report(outcome, out_dir))
     return {
         "verdict": outcome.report.verdict,
         "summary": outcome.report.summary,
@@ -84,9 +83,10 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
     }
 
 
-def _write_report(report: Report, figures: tuple[Figure, ...], out_dir: Path) -> tuple[OutputFile, ...]:
-    (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
-    (out_dir / "report.html").write_text(render_html(report, figures), encoding="utf-8")
+def _write_report(outcome: Outcome, out_dir: Path) -> tuple[OutputFile, ...]:
+    (out_dir / "report.json").write_text(outcome.report.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    page = render_html(outcome.report, outcome.figures, make_scene(outcome.surfaces))
+    (out_dir / "report.html").write_text(page, encoding="utf-8")
     return (
         OutputFile("report", Path("report.json"), "application/json", "report.json"),
         OutputFile("report_html", Path("report.html"), "text/html", "report.html"),

@@ -7,14 +7,19 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from core.reports.scene.viewer import report_viewer
+
 NAMED = ("integument-server", "libigl", "numba", "numpy", "scipy")
 CORE = Path(__file__).parents[1]
 
 
 @cache
 def software_versions() -> dict[str, str]:
-    """Distribution -> version, of all that decides about numbers."""
-    return {name: version(name) for name in NAMED}
+    """Distribution -> version, of all that decides about numbers; `report-viewer` shows them, its version is that of its text.
+
+    Raises: InternalError `report.viewer_missing`, `report.viewer_unfit`.
+    """
+    return {**{name: version(name) for name in NAMED}, "report-viewer": report_viewer().version}
 
 
 @cache

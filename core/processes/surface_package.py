@@ -14,7 +14,7 @@ from core.package.build import build_package
 from core.package.conductivity import conductivity_of
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.loaded_surfaces import LoadedSurfaces
-from core.processes.outcome import Outcome, OutputFile
+from core.processes.outcome import Outcome, OutputFile, with_originals
 from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.processes.written_surfaces import require_unchanged, write_and_read_back
@@ -74,13 +74,15 @@ def deliver_surfaces(job: SurfaceJob, run: RunContext, out_dir: Path) -> Outcome
     run.stage("figures", 0.5, 0.92)
     figures = (*draw_comparison(job.source.meshes, deviations, report), *job.draw(report))
     files = tuple(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in delivered)
+    shown = with_originals({name: delivered[name] for name in report.meshes}, job.source.meshes)
     if not job.source.together:
-        return Outcome(report, figures, files)
+        return Outcome(report, figures, files, shown)
     run.stage("package", 0.92, 1.0)
     package = out_dir / "package.zip"
     packed = build_package(package, _tissues(job, report), report, figures)
     require_unchanged(package, delivered)
-    return Outcome(packed, figures, (OutputFile("package", Path(package.name), "application/zip", package.name), *files))
+    files = (OutputFile("package", Path(package.name), "application/zip", package.name), *files)
+    return Outcome(packed, figures, files, shown)
 
 
 def _report(job: SurfaceJob, after: Validation, delivered: Mapping[str, Mesh], deviations: Mapping[str, Deviation]) -> Report:

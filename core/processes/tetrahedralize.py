@@ -66,7 +66,7 @@ def run_tetrahedralize(
         OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh"),
         OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu"),
     )
-    return Outcome(report, figures, files)
+    return Outcome(report, figures, files, source.meshes)
 
 
 def _require_fit(inputs: TetrahedralizeInputs, source: LoadedSurfaces, before: Validation) -> None:

@@ -57,7 +57,7 @@ def run_validate(inputs: ValidateInputs, meshes: Mapping[str, Mapping[str, Any]]
         },
         software=software_versions(),
     )
-    return Outcome(report, figures)
+    return Outcome(report, figures, surfaces=surfaces)
 
 
 def _load(inputs: ValidateInputs, meshes: Mapping[str, Mapping[str, Any]]) -> dict[str, NamedInput]:

@@ -1,4 +1,4 @@
-"""The report for people: one HTML file that needs nothing else, neither network nor script."""
+"""The report for people: one HTML file that needs nothing else. Its one script shows the surfaces and talks to nobody."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from functools import cache
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from core.reports import wording
 from core.reports.change_entries import change_entries
 from core.reports.figures.figure import Figure
+from core.reports.scene.scene import Scene
+from core.reports.scene.viewer import report_viewer
 from core.reports.tissue_rows import nesting_lines, tissue_rows
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
@@ -20,8 +23,11 @@ from core.schema.report import Report, StepReport
 PNG_SIZE_AT = 16  # width and height as big-endian uint32 behind the signature and the chunk head
 
 
-def render_html(report: Report, figures: Sequence[Figure]) -> str:
-    """The whole page; names and messages are text, whatever they contain. Same report and figures, same bytes."""
+def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None = None) -> str:
+    """The whole page; names and messages are text, whatever they contain. Same report, figures and scene, same bytes.
+
+    Raises: InternalError `report.viewer_missing`, `report.viewer_unfit` if there is a scene to show.
+    """
     shown_by = [step.name for step in report.steps]
     embedded = _embed(figures, shown_by)
     steps = [
@@ -42,6 +48,7 @@ def render_html(report: Report, figures: Sequence[Figure]) -> str:
             counts=counts,
             checksums=[(name, mesh.sha256) for name, mesh in report.meshes.items() if mesh.sha256],
             steps=steps,
+            scene=None if scene is None else _shown(scene),
             figures=[embedded[figure.name] for figure in figures if figure.step not in shown_by],
         )
     )
@@ -61,6 +68,21 @@ def _step_section(step: StepReport, figures: Sequence[dict[str, Any]]) -> dict[s
         "changes": change_entries(step.changes),
         "findings": sorted(step.findings, key=_urgency),
         "figures": figures,
+    }
+
+
+def _shown(scene: Scene) -> dict[str, Any]:
+    """The scene with the viewer; scripts and licences are ours and go in as they are."""
+    viewer = report_viewer()
+    return {
+        "about": scene.about,
+        "data": base64.b64encode(scene.data).decode("ascii"),
+        "error_mm": scene.error_mm,
+        "faces": sum(surface["faces"] for surface in scene.about["surfaces"]),
+        "thinned": [surface for surface in scene.about["surfaces"] if surface["name"] in scene.thinned],
+        "policy": Markup(viewer.policy),  # noqa: S704
+        "script": Markup(viewer.script),  # noqa: S704
+        "licences": Markup(viewer.licences),  # noqa: S704
     }
 
 
@@ -105,6 +127,7 @@ def _environment() -> Environment:
         "flattened",
         "outcome",
         "quantity",
+        "spot",
     ):
         environment.filters[word] = getattr(wording, word)
     return environment

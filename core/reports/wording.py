@@ -86,6 +86,11 @@ def point(mm: tuple[float, float, float] | None) -> str:
     return NOT_KNOWN if mm is None else "(" + ", ".join(f"{value:.1f}" for value in mm).replace("-", "−") + ")"
 
 
+def spot(mm: tuple[float, float, float]) -> str:
+    """A point as the viewer reads it: `12.300 -4.000 801.200`."""
+    return " ".join(f"{value:.3f}" for value in mm)
+
+
 def numbers(values: tuple[int, ...]) -> str:
     """The first few of many."""
     shown = ", ".join(map(str, values[:MOST_NUMBERS]))

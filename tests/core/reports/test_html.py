@@ -1,5 +1,8 @@
 """The page: complete, self-contained, and text stays text."""
 
+import base64
+import hashlib
+import json
 import re
 from functools import cache
 from html.parser import HTMLParser
@@ -7,8 +10,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from core.errors import InternalError
 from core.reports.figures import Figure, draw_mesh_figures
 from core.reports.html import render_html
+from core.reports.scene import viewer
+from core.reports.scene.scene import make_scene
+from core.reports.scene.viewer import report_viewer
 from core.schema.finding import Finding, Place, Severity
 from core.schema.report import PairReport, Report, ThicknessReport
 from core.validation.validate import validate
@@ -38,7 +45,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if self.open and self.open[-1] != "style":
+        if self.open and self.open[-1] not in ("style", "script"):
             self.text += data
 
 
@@ -82,9 +89,16 @@ def picture(name: str) -> Figure:
 
 
 def assert_self_contained(html: str) -> Page:
+    """Nothing is asked of elsewhere, and no script runs but the viewer, which the policy names by checksum."""
     page = Page(html)
+    running = re.findall(r"<script>(.*?)</script>", html, re.S)
+    assert len(running) == html.count("<script>") == ("scene-data" in html)
+    policy = next(attributes["content"] for tag, attributes in page.tags if attributes.get("http-equiv"))
+    named = {f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'" for script in running}
+    assert set(re.findall(r"'sha256-[^']*'", policy)) == named
     assert page.open == []
-    assert not {"script", "link", "iframe", "object", "embed", "base", "form", "svg"} & {tag for tag, _ in page.tags}
+    assert not {"link", "iframe", "object", "embed", "base", "form", "svg"} & {tag for tag, _ in page.tags}
+    assert "src" not in {name for tag, attributes in page.tags if tag == "script" for name in attributes}
     for tag, attributes in page.tags:
         assert not [name for name in attributes if name.startswith("on")]
         for name in ("src", "href", "srcset", "action", "poster"):
@@ -113,6 +127,32 @@ def test_figures_are_embedded_with_captions_and_sizes():
     images = [attributes for tag, attributes in page.tags if tag == "img"]
     assert len(images) == 2
     assert all(int(image["width"]) > 500 and int(image["height"]) > 300 and image["alt"] for image in images)
+
+
+def test_surfaces_in_3d_are_in_the_file_and_a_hostile_name_stays_text():
+    scene = make_scene({"skin": sphere(30.0, 3), HOSTILE: sphere(29.0, 3)})
+    html = render_html(nested_report(), [], scene)
+    page = assert_self_contained(html)
+    assert "2 surfaces, 1\u202f024 faces" in page.text
+    about = re.search(r'<script type="application/json" id="scene-about">(.*?)</script>', html, re.S)
+    assert about is not None
+    assert json.loads(about[1]) == scene.about
+    assert render_html(nested_report(), [], scene) == html
+
+
+def test_a_missing_viewer_is_named_and_not_left_out(monkeypatch, tmp_path):
+    report_viewer.cache_clear()
+    monkeypatch.setattr(viewer, "FOLDER", tmp_path)
+    with pytest.raises(InternalError) as caught:
+        render_html(nested_report(), [], make_scene({"skin": sphere(30.0, 2)}))
+    assert caught.value.code == "report.viewer_missing"
+    assert "make web" in caught.value.message
+    (tmp_path / "viewer.js").write_text("let page = '</SCRIPT>';")
+    (tmp_path / "licenses.md").write_text("MIT")
+    with pytest.raises(InternalError) as caught:
+        render_html(nested_report(), [], make_scene({"skin": sphere(30.0, 2)}))
+    assert caught.value.code == "report.viewer_unfit"
+    report_viewer.cache_clear()
 
 
 def test_hostile_names_and_messages_are_text_everywhere():

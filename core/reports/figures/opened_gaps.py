@@ -1,0 +1,112 @@
+"""Before and after: sections through the places where tissues were moved farthest to part them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from core.geometry.section import Plane, cut
+from core.mesh import Mesh
+from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.figure import Figure
+from core.reports.figures.section_drawing import (
+    draw_contours,
+    draw_legend,
+    draw_scale_bar,
+    frame_zoom,
+    legend_height_in,
+    set_window,
+    shortened,
+)
+from core.reports.palette import Colour
+
+Floats = NDArray[np.float64]
+MOST_PLACES = 3
+WINDOW_SHIFTS = 30.0
+SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM = 3.0, 40.0
+WIDTH_IN, LEFT_IN, GUTTER_IN, TITLE_IN, TICKS_IN = 8.4, 0.45, 0.45, 0.42, 0.28
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Place:
+    """Where a surface was moved: point and way, (3,) mm each."""
+
+    name: str
+    point: Floats
+    way: Floats
+
+    @property
+    def shift_mm(self) -> float:
+        return float(np.linalg.norm(self.way))
+
+    @property
+    def window_mm(self) -> float:
+        return float(np.clip(WINDOW_SHIFTS * self.shift_mm, SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM))
+
+    def plane(self) -> Plane:
+        """Along the way, which runs upwards."""
+        return Plane.of(self.point, np.roll(np.eye(3), 1, axis=0)[int(np.argmax(np.abs(self.way)))], self.way)
+
+
+def draw_opened_gaps(before: Mapping[str, Mesh], after: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Figure | None:
+    """One column for each of the farthest moves, before above after; None if nothing moved.
+
+    before, after: surfaces of the same names, vertices of the same numbers, outermost first.
+    """
+    places = _farthest(before, after)
+    if not places:
+        return None
+    panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
+    row_in = TITLE_IN + panel_in + TICKS_IN
+    total_in = legend_height_in(len(colours)) + 2 * row_in
+    with sheet(WIDTH_IN, total_in) as figure:
+        for column, place in enumerate(places):
+            left_in = LEFT_IN + column * (panel_in + GUTTER_IN)
+            for row, meshes in enumerate((after, before)):
+                bottom_in = TICKS_IN + row * row_in
+                box = (left_in / WIDTH_IN, bottom_in / total_in, panel_in / WIDTH_IN, panel_in / total_in)
+                axes = figure.add_axes(box)
+                _draw(axes, place, meshes, colours)
+                axes.set_title(f"{shortened(place.name, 14)}\n{'before' if row else f'after: {place.shift_mm:.3g} mm'}", pad=5)
+        draw_legend(figure, colours)
+        png = to_png(figure)
+    words = "; ".join(f"{place.name} by {place.shift_mm:.3g} mm at {_point_words(place)} mm" for place in places)
+    return Figure(
+        "opened_gaps", "Where tissues were parted", f"Sections along the farthest moves, before and after: {words}.", png
+    )
+
+
+def _draw(axes: Axes, place: _Place, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
+    plane, half = place.plane(), 0.5 * place.window_mm
+    low, high = np.array([-half, -half]), np.array([half, half])
+    draw_contours(axes, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
+    set_window(axes, plane, low, high, absolute=False)
+    draw_scale_bar(axes, low, high)
+    frame_zoom(axes)
+
+
+def _farthest(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> list[_Place]:
+    """The farthest moves of all surfaces, none within the window of another."""
+    names, points, ways = [], [], []
+    for name, mesh in before.items():
+        way = after[name].vertices - mesh.vertices
+        moved = np.flatnonzero(way.any(axis=1))
+        names += [name] * len(moved)
+        points.append(mesh.vertices[moved])
+        ways.append(way[moved])
+    point, way = np.concatenate(points), np.concatenate(ways)
+    places: list[_Place] = []
+    for number in np.argsort(-np.linalg.norm(way, axis=1), kind="stable"):
+        if len(places) == MOST_PLACES:
+            break
+        if all(np.linalg.norm(point[number] - place.point) > place.window_mm for place in places):
+            places.append(_Place(names[number], point[number], way[number]))
+    return places
+
+
+def _point_words(place: _Place) -> str:
+    return "(" + ", ".join(f"{value:.1f}" for value in place.point) + ")"

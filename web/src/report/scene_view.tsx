@@ -1,0 +1,84 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
+import type { SceneAbout } from "../mesh/scene";
+import { type Bounds, boundsOf, type Triangles } from "../mesh/triangles";
+import { ClipControl } from "../parts/clip_control";
+import { TissueTable } from "../parts/tissue_table";
+import { ViewerPane } from "../parts/viewer_pane";
+import type { Clip, Surface } from "../viewer/surface";
+import type { Viewer } from "../viewer/viewer";
+import type { Place } from "./places";
+
+const BEFORE = " before"; // what a surface was made from: hidden until asked for
+
+/** The surfaces of a report: seen through, cut open, with the places its tables name. */
+export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes: Triangles[]; places: Place[] }) {
+  const [surfaces, setSurfaces] = useState<Surface[]>(() =>
+    about.surfaces.map(({ name, colour, closed }, i) => ({
+      ...{ name, colour, closed, mesh: meshes[i]! },
+      ...{ visible: !name.endsWith(BEFORE), opacity: 1, field: null },
+    })),
+  );
+  const bounds = useMemo(() => boundsOfAll(meshes), [meshes]);
+  const [clip, setClip] = useState<Clip | null>(null);
+  const [marked, setMarked] = useState<"all" | "none" | Place>("all");
+  const [viewer, setViewer] = useState<Viewer | null>(null);
+  const markers = useMemo(() => {
+    if (marked === "none") return [];
+    return (marked === "all" ? places : [marked]).map((place) => place.marker);
+  }, [marked, places]);
+
+  useEffect(() => {
+    if (!viewer) return;
+    const buttons = places.map((place) => {
+      const { element, marker } = place;
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "show-place";
+      button.textContent = "show";
+      button.setAttribute("aria-label", `Show ${element.textContent} in 3D`);
+      button.addEventListener("click", () => {
+        setMarked(place);
+        setClip(null);
+        viewer.flyTo(marker.point);
+        viewer.canvas.scrollIntoView({ block: "center" });
+        viewer.canvas.focus({ preventScroll: true });
+      });
+      element.after(" ", button);
+      return button;
+    });
+    return () => {
+      for (const button of buttons) button.remove();
+    };
+  }, [viewer, places]);
+
+  const change = (name: string, part: Partial<Surface>) =>
+    setSurfaces(surfaces.map((one) => (one.name === name ? { ...one, ...part } : one)));
+  return (
+    <div class="scene">
+      <ViewerPane label="The surfaces in 3D" surfaces={surfaces} clip={clip} markers={markers} onViewer={setViewer} />
+      <div class="stack">
+        <TissueTable surfaces={surfaces} onChange={change} />
+        <ClipControl clip={clip} bounds={bounds} onClip={setClip} />
+        {places.length > 0 && (
+          <label class="row">
+            <input
+              type="checkbox"
+              checked={marked === "all"}
+              onChange={(event) => setMarked(event.currentTarget.checked ? "all" : "none")}
+            />
+            All {places.length} places the tables name
+          </label>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function boundsOfAll(meshes: readonly Triangles[]): Bounds {
+  const all = meshes.map((mesh) => boundsOf(mesh.positions));
+  const end = (side: "min" | "max", axis: number) => Math[side](...all.map((one) => one[side][axis]!));
+  return {
+    min: [end("min", 0), end("min", 1), end("min", 2)],
+    max: [end("max", 0), end("max", 1), end("max", 2)],
+  };
+}
