@@ -38,6 +38,8 @@ def require_known_outputs(process: ProcessDescription, inputs: FrozenModel, requ
     known = [*process.outputs]
     if process.names_layers:
         known += [layer.name for layer in getattr(inputs, "layers", ())]
+    if process.names_tissues:
+        known += [tissue.name for tissue in getattr(inputs, "tissues", ())]
     if isinstance(inputs, SurfacesInputs):
         known = [name for name in known if name != ("mesh" if inputs.mesh is None else "package")]
         known += list(inputs.meshes or ())

@@ -13,6 +13,7 @@ from core.errors import StateError
 from core.schema.processes import PROCESSES, ProcessDescription
 
 LAYER_OUTPUT = "{layer}"  # stands for the outputs a process names after the layers asked for
+TISSUE_OUTPUT = "{tissue}"
 SURFACE_OUTPUT = "{surface}"  # and for those named after the surfaces that came
 _JSON_MEDIA_TYPES = {"application/json"}
 
@@ -86,6 +87,12 @@ def describe_outputs(process: ProcessDescription) -> dict[str, OutputDescription
         described[LAYER_OUTPUT] = OutputDescription(
             title="Each layer",
             description="One output per layer of the request, named after it: the layer as delivered, float32",
+            json_schema=_file_schema("model/stl"),
+        )
+    if process.names_tissues:
+        described[TISSUE_OUTPUT] = OutputDescription(
+            title="Each inner tissue",
+            description="One output per tissue of the request, named after it: its surface as delivered, float32",
             json_schema=_file_schema("model/stl"),
         )
     if process.names_surfaces:

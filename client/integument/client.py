@@ -21,6 +21,7 @@ from integument.follow import follow_events, past_events
 from integument.job import Job
 from integument.layer import as_layer
 from integument.mesh import Mesh
+from integument.preparation import Preparation
 from integument.process import Process
 from integument.region import Region
 from integument.report import Report
@@ -33,7 +34,7 @@ DEFAULT_URL = "http://127.0.0.1:8000"
 INTAKE_TIMEOUT_S = 300.0  # an upload is answered when the server has read and checked the mesh
 
 
-class Client(SurfaceProcesses):
+class Client(SurfaceProcesses, Preparation):
     """Talks to one server.
 
     url: the server; without it INTEGUMENT_URL, else http://127.0.0.1:8000, where `integument serve` listens.

@@ -45,7 +45,9 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
     before = validate_once(source.meshes, inputs.min_gap_mm, run.stage("look at the surfaces", 0.03, 0.13))
     step, count = run.stage("heal", 0.13, 0.6), len(source.meshes)
     healed = {
-        name: _heal(name, mesh, inputs, step.stage(f"heal: {name}", number / count, (number + 1) / count), alone=count == 1)
+        name: heal_surface(
+            name, mesh, inputs, step.stage(f"heal: {name}", number / count, (number + 1) / count), alone=count == 1
+        )
         for number, (name, mesh) in enumerate(source.meshes.items())
     }
 
@@ -86,8 +88,8 @@ def healing_methods(inputs: HealInputs) -> str:
     return METHODS.format(**limits) + PROOF
 
 
-def _heal(name: str, mesh: Mesh, inputs: HealInputs, run: RunContext, *, alone: bool) -> Healed:
-    """One surface; a refusal says which one it is about."""
+def heal_surface(name: str, mesh: Mesh, inputs: HealInputs, run: RunContext, *, alone: bool) -> Healed:
+    """One surface, resumable; a refusal says which one it is about. Raises: InputError `heal.*`."""
     asked = inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"})
     try:
         return run.checkpoint("heal", lambda: heal(mesh, inputs, run), mesh, asked)

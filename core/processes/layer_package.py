@@ -91,7 +91,7 @@ def _report(job: LayerJob, made: MadeLayers, validation: Validation) -> Report:
     return Report(
         process=job.process,
         verdict=validation.verdict,
-        summary=layers_summary(validation, thickness),
+        summary=_summary(validation, thickness),
         meshes=validation.meshes,
         pairs=validation.pairs,
         thickness=thickness,
@@ -105,7 +105,7 @@ def _report(job: LayerJob, made: MadeLayers, validation: Validation) -> Report:
     )
 
 
-def layers_summary(validation: Validation, thickness: Mapping[str, ThicknessReport]) -> str:
+def _summary(validation: Validation, thickness: Mapping[str, ThicknessReport]) -> str:
     layers = ", ".join(
         f"{name} {layer.target_mm:g} mm on {100 * layer.on_target_area:.2f} %" for name, layer in thickness.items()
     )

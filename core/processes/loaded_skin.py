@@ -17,7 +17,8 @@ from core.validation.requirements import require_fit_skin
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoadedSkin:
-    """mesh: fit, exact in float32. changes: what rounding moved, for the report. arrays: name -> (V,) of the upload."""
+    """mesh: exact in float32; fit, if `load_skin` loaded it. changes: what rounding moved, for the report. arrays: name -> (V,)
+    of the upload."""
 
     name: str
     mesh: Mesh
@@ -29,11 +30,17 @@ class LoadedSkin:
 def load_skin(href: str, meshes: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSkin:
     """The first 6 % of a job. Raises: InputError `skin.*`, `reference.not_a_mesh`."""
     load = run.stage("load", 0.0, 0.02)
+    source = load_rounded(href, meshes)
+    load.advance(1.0, f"skin '{source.name}': {len(source.mesh.faces)} faces")
+    run.stage("check the skin", 0.02, 0.06)
+    require_fit_skin(source.mesh, "skin")
+    return source
+
+
+def load_rounded(href: str, meshes: Mapping[str, Mapping[str, Any]]) -> LoadedSkin:
+    """The same, fit or not. Raises: InputError `reference.not_a_mesh`."""
     source = load_input(href, meshes)
     skin = source.mesh.rounded_to_float32()
-    load.advance(1.0, f"skin '{source.name}': {len(skin.faces)} faces")
-    run.stage("check the skin", 0.02, 0.06)
-    require_fit_skin(skin, "skin")
     shift = float(np.abs(skin.vertices - source.mesh.vertices).max())
     changes = ({"mesh": "skin", "what": "coordinates rounded to float32", "largest_shift_mm": shift},) if shift else ()
     return LoadedSkin(source.name, skin, source.sha256, changes, source.arrays)

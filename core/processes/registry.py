@@ -15,6 +15,7 @@ from core.processes.failure import failure_outcome
 from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
+from core.processes.prepare import run_prepare
 from core.processes.separate import run_separate
 from core.processes.shells import run_shells
 from core.processes.smooth import run_smooth
@@ -41,6 +42,7 @@ HANDLERS: dict[str, Handler] = {
     "smooth": run_smooth,
     "separate": run_separate,
     "tetrahedralize": run_tetrahedralize,
+    "prepare": run_prepare,
 }
 
 

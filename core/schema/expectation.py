@@ -73,6 +73,8 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
     Each of n layers works on the faces of the skin, and all surfaces are there at the end. Smoothing that is told to make all its
     iterations takes time for each. Source: `python -m benchmarks.expectations`, docs/benchmarks.md."""
     need = _NEEDS.get(process)
+    if process == "prepare":
+        return _expect_chain(inputs, faces)
     if need is None:
         return UNKNOWN
     layers = len(inputs.get("layers") or ())
@@ -84,3 +86,19 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
     memory_bytes = max(drawing_bytes, geometry_bytes)  # one comes after the other
     cpu_s = need.s + need.s_per_layer * layers + need.s_per_face * faces * passes
     return Expectation(memory_bytes=int(MARGIN * memory_bytes), cpu_s=round(cpu_s, 1))
+
+
+def _expect_chain(inputs: Mapping[str, Any], faces: int) -> Expectation:
+    """Of `prepare`: one step after the other, so the memory of the hungriest and the time of all. Inner tissues count as if every
+    layer had their faces, too: who told them apart from the skin is not known here, and a chain rather waits for a larger host."""
+    layers = len(inputs.get("layers") or ())
+    steps = [] if inputs.get("heal") is None else [expect("heal", {}, faces)]
+    thin = inputs.get("decimate")
+    if thin is not None:
+        steps.append(expect("decimate", {}, faces))
+        faces = min(int(faces * float(thin.get("target_ratio") or 1.0)), int(thin.get("target_faces") or faces))
+    steps.append(expect("shells" if inputs.get("ears") is None else "ears", inputs, faces))
+    if inputs.get("tetrahedra") is not None:
+        steps.append(expect("tetrahedralize", {}, faces * (layers + 1)))
+    cpu_s = [step.cpu_s for step in steps if step.cpu_s is not None]
+    return Expectation(max(step.memory_bytes for step in steps), round(sum(cpu_s), 1))

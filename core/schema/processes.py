@@ -9,6 +9,7 @@ from core.schema.ears import EarsInputs
 from core.schema.graft import GraftInputs
 from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
+from core.schema.prepare import PrepareInputs
 from core.schema.separate import SeparateInputs
 from core.schema.shells import ShellsInputs
 from core.schema.smooth import SmoothInputs
@@ -40,6 +41,11 @@ class ProcessDescription(FrozenModel):
     """True if every layer asked for is an output of its own besides (`results/fat`), ready to be chained."""
     names_surfaces: bool = False
     """True if every surface that came is an output under its own name: `mesh` if it came alone, else beside the package."""
+    names_tissues: bool = False
+    """True if every inner tissue asked for is an output of its own besides, named after it."""
+    more_attempts: int = 0
+    """Attempts a job gets beyond the server's usual number. A chain of many steps goes on where the attempt before it ended, so
+    the loss of two workers on the way need not be its end."""
     starts_processes: bool = False
     """True if it forks, for a library that may crash; only then the kernel lets its child do so."""
 
@@ -183,6 +189,33 @@ TETRAHEDRALIZE = ProcessDescription(
         "report_html": _REPORT_HTML,
     },
 )
+PREPARE = ProcessDescription(
+    id="prepare",
+    version="1.0.0",
+    title="Prepare a model, all steps in one",
+    description="From a skin to a model in one job: heal, decimate, ears and canals, nested layers, inner tissues, proof on the "
+    "delivered files, tetrahedra, package. Each step may be left out; a step that is done is not done again after a crash or a "
+    "retry, and if one fails the results before it are left.",
+    keywords=("prepare", "pipeline", "shells", "ears", "inner tissues", "tetrahedra"),
+    inputs=PrepareInputs,
+    starts_processes=True,
+    more_attempts=2,
+    names_layers=True,
+    names_tissues=True,
+    outputs={
+        **SHELLS.outputs,
+        "skin": OutputDescription(
+            title="Skin", media_type="model/stl", description="The skin as the steps left it, float32; a failed job has it too"
+        ),
+        "msh": TETRAHEDRALIZE.outputs["msh"],
+        "vtu": TETRAHEDRALIZE.outputs["vtu"],
+        "steps": OutputDescription(
+            title="Steps",
+            media_type="application/json",
+            description="Each step: outcome, numbers, faces before and after, seconds, whether an attempt before had done it",
+        ),
+    },
+)
 PROCESSES: dict[str, ProcessDescription] = {
-    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, SEPARATE, TETRAHEDRALIZE)
+    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, SEPARATE, TETRAHEDRALIZE, PREPARE)
 }

@@ -62,7 +62,7 @@ def ears(
 ) -> None:
     """Build nested shells that are thinner in the ears, and cut ear canals."""
     options = options_of(ctx)
-    inputs: dict[str, Any] = {"thin_policy": thin_policy, "ears": _read_ears(boxes or [AUTO])}
+    inputs: dict[str, Any] = {"thin_policy": thin_policy, "ears": read_ears(boxes or [AUTO])}
     if generate_canals:
         inputs["generate_canals"] = {}
     if layer or outer_layer:
@@ -88,7 +88,8 @@ def ears(
         raise typer.Exit(run_to_end(session, options, "ears", inputs, wanted))
 
 
-def _read_ears(texts: list[str]) -> str | list[dict[str, Any]]:
+def read_ears(texts: list[str]) -> str | list[dict[str, Any]]:
+    """`auto`, or boxes as the server takes them. Raises: ArgumentError."""
     if texts == [AUTO]:
         return AUTO
     if AUTO in texts:

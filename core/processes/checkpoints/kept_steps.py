@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +10,7 @@ from typing import Any, TypeVar
 from core.processes.checkpoints.checkpoint_file import DamagedError, read, size_of, write
 from core.processes.checkpoints.key import key_of
 from core.processes.checkpoints.plain import Plain, from_plain, to_plain
+from core.processes.processor_time import processor_s
 
 logger = logging.getLogger(__name__)
 
@@ -54,9 +54,9 @@ class KeptSteps:
             else:
                 log(f"{stage}: taken from the attempt before")
                 return value
-        began = _processor_s()
+        began = processor_s()
         plain = to_plain(make())
-        if _processor_s() - began >= self._worth_s:
+        if processor_s() - began >= self._worth_s:
             self._keep(key, stage, plain)
         made: Any = from_plain(plain)
         restored: T = made
@@ -75,9 +75,3 @@ class KeptSteps:
             logger.warning("%s: cannot be kept: %s", stage, error)
             return
         self._tell(key, stage)
-
-
-def _processor_s() -> float:
-    """Spent so far, also by processes that were started and have ended, as TetGen's."""
-    spent = os.times()
-    return spent.user + spent.system + spent.children_user + spent.children_system

@@ -1,0 +1,167 @@
+"""The command `prepare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.ears import read_ears
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import (
+    BOX_FORM,
+    REGION_FORM,
+    read_depths,
+    read_layers,
+    read_region,
+    read_volumes,
+)
+from integument.cli.mesh_argument import require_mesh
+from integument.cli.mesh_reference import refer_to
+from integument.cli.options import (
+    LayerOption,
+    MinGapOption,
+    OuterLayerOption,
+    PackageOption,
+    ReportOption,
+    SkinArgument,
+    SkinShiftOption,
+    ThinPolicyOption,
+    UnitOption,
+)
+from integument.cli.session import connect
+from integument.cli.tissue_text import read_conductivities, read_pairs
+from integument.errors import ArgumentError
+
+TISSUE_FORM = "NAME=MESH"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(prepare)
+
+
+def prepare(
+    ctx: typer.Context,
+    skin: SkinArgument,
+    unit: UnitOption = "mm",
+    heal: Annotated[bool, typer.Option("--heal/--no-heal", help="Mend the skin first, or refuse an unfit one.")] = True,
+    ratio: Annotated[
+        float | None, typer.Option("--decimate", metavar="SHARE", help="Thin the skin out to this share of its faces.")
+    ] = None,
+    faces: Annotated[int | None, typer.Option(metavar="N", help="Thin the skin out to at most so many faces.")] = None,
+    boxes: Annotated[
+        list[str] | None, typer.Option("--ears", metavar="BOX", help=f"auto: find both ears; or a box, {BOX_FORM} in mm; repeat.")
+    ] = None,
+    canal: Annotated[
+        list[str] | None, typer.Option(metavar="MESH", help="Closed mesh of a canal's air, to be cut out of the skin; repeat.")
+    ] = None,
+    generate_canals: Annotated[
+        bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
+    ] = False,
+    layer: LayerOption = None,
+    outer_layer: OuterLayerOption = None,
+    ear_depth: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
+    ] = None,
+    blend: Annotated[float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")] = None,
+    region: Annotated[
+        list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
+    ] = None,
+    tissue: Annotated[
+        list[str] | None,
+        typer.Option(metavar=TISSUE_FORM, help="Closed surface inside the innermost layer, an organ or a bone; repeat."),
+    ] = None,
+    inside: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=NAME", help="Tissue and the one that must be next around it, or the job is refused; repeat."),
+    ] = None,
+    conductivity: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=S/M", help="Conductivity of a tissue, in S/m; default is that of its name.")
+    ] = None,
+    thin_policy: ThinPolicyOption = "adapt",
+    min_gap: MinGapOption = None,
+    skin_shift: SkinShiftOption = None,
+    tetrahedra: Annotated[
+        bool, typer.Option("--tetrahedra/--no-tetrahedra", help="Fill all tissues with tetrahedra, or stop at surfaces.")
+    ] = True,
+    radius_edge: Annotated[
+        float | None,
+        typer.Option(metavar="RATIO", help="Largest ratio of circumradius to shortest edge, 1.1 to 10; default 2, 0 for none."),
+    ] = None,
+    max_volume: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=MM3", help="Largest tetrahedron of a tissue, in mm³; repeat.")
+    ] = None,
+    output: PackageOption = None,
+    volume: Annotated[
+        Path | None,
+        typer.Option("--volume", help="Where to put the tetrahedra: gmsh 2.2 for SimNIBS, or VTU if it ends in .vtu."),
+    ] = None,
+    record: Annotated[
+        Path | None, typer.Option("--steps", help="Where to put the record of the steps: outcome, numbers, seconds; JSON.")
+    ] = None,
+    report: ReportOption = None,
+) -> None:
+    """Prepare a model: heal, decimate, ears, layers, inner tissues, proof, tetrahedra, package, in one job that resumes."""
+    options = options_of(ctx)
+    if not tetrahedra and (radius_edge is not None or max_volume or volume is not None):
+        raise ArgumentError("--radius-edge, --max-volume and --volume are about tetrahedra; they do not go with --no-tetrahedra")
+    if ratio is not None and faces is not None:
+        raise ArgumentError("--decimate and --faces both say how far to thin out; give one")
+    inputs: dict[str, Any] = {"thin_policy": thin_policy}
+    inputs |= {} if heal else {"heal": None}
+    inputs |= {} if tetrahedra else {"tetrahedra": None}
+    if ratio is not None or faces is not None:
+        inputs["decimate"] = {"target_ratio": ratio} if faces is None else {"target_faces": faces}
+    if boxes:
+        inputs["ears"] = read_ears(boxes)
+    if generate_canals:
+        inputs["generate_canals"] = {}
+    if layer or outer_layer:
+        inputs["layers"] = read_layers(outer_layer or (), layer or ())
+    if ear_depth:
+        inputs["ear_depths_mm"] = read_depths(ear_depth, "--ear-depth")
+    if region:
+        inputs["regions"] = [read_region(text).as_input() for text in region]
+    asked = _tetrahedra(radius_edge, max_volume or [])
+    numbers = {"blend_mm": blend, "min_gap_mm": min_gap, "skin_shift_mm": skin_shift, "tetrahedra": asked or None}
+    inputs |= {name: value for name, value in numbers.items() if value is not None}
+    files = {"package": output, "vtu" if volume and volume.suffix == ".vtu" else "msh": volume, "steps": record}
+    wanted = Wanted({name: path for name, path in files.items() if path is not None}, report)
+    wanted.require_room()
+    canals = [require_mesh(mesh) for mesh in canal or ()]
+    tissues = {name: require_mesh(mesh) for name, mesh in read_pairs(tissue or (), "--tissue", TISSUE_FORM).items()}
+    about = _about_tissues(tissues, inside or [], conductivity or [])
+    require_mesh(skin)
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["skin"] = refer_to(session, view, skin, unit)
+            if canals:
+                inputs["canals"] = [refer_to(session, view, mesh, unit) for mesh in canals]
+            if tissues:
+                inputs["tissues"] = [
+                    {"name": name, "mesh": refer_to(session, view, mesh, unit), **about[name]} for name, mesh in tissues.items()
+                ]
+        raise typer.Exit(run_to_end(session, options, "prepare", inputs, wanted))
+
+
+def _tetrahedra(radius_edge: float | None, max_volume: list[str]) -> dict[str, Any]:
+    asked: dict[str, Any] = {} if radius_edge is None else {"radius_edge": radius_edge or None}
+    return asked | ({"max_volume_mm3": read_volumes(max_volume)} if max_volume else {})
+
+
+def _about_tissues(tissues: dict[str, str], inside: list[str], conductivity: list[str]) -> dict[str, dict[str, Any]]:
+    """Tissue -> what was said of it. Raises: ArgumentError about a name that is no --tissue."""
+    about: dict[str, dict[str, Any]] = {name: {} for name in tissues}
+    around = read_pairs(inside, "--inside", "NAME=NAME")
+    values = read_conductivities(conductivity)
+    for option, key, given in (("--inside", "inside", around), ("--conductivity", "conductivity_s_per_m", values)):
+        for name, value in given.items():
+            if name not in about:
+                raise ArgumentError(f"{option} {name}: there is no --tissue {name}")
+            about[name][key] = value
+    return about

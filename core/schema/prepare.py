@@ -1,0 +1,136 @@
+"""Inputs of the process `prepare`: the keys of `shells` and `ears`, and what every other step is asked."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from core.schema.decimate import DecimateInputs, DecimateParameters
+from core.schema.ears import DEFAULT_LAYERS, THESIS_DEPTHS_MM, CanalShape, EarRegion, EarsInputs
+from core.schema.heal import HealInputs, HealParameters
+from core.schema.model import FrozenModel
+from core.schema.reference import MeshReference
+from core.schema.shells import (
+    DepthMm,
+    Layer,
+    LayerName,
+    Region,
+    ShellsInputs,
+    SkinShiftMm,
+    require_distinct,
+    require_ordered,
+)
+from core.schema.tetrahedralize import TetrahedraParameters
+from core.schema.validate import MeshName
+
+# outputs of the process itself, its skin, and BEM-FMM's word for air
+RESERVED_NAMES = ("skin", "package", "msh", "vtu", "steps", "report", "report_html", "FreeSpace")
+
+
+class InnerTissue(FrozenModel):
+    """A closed surface inside the innermost layer: an organ, a bone, a part of the brain."""
+
+    name: MeshName
+    mesh: MeshReference
+    conductivity_s_per_m: float | None = Field(
+        None, ge=0, le=1e8, description="Default is that of the name, or of muscle if nobody knows it"
+    )
+    inside: MeshName | None = Field(
+        None, description="Layer or tissue that must be the next one around it, or the job is refused. Default: whichever it is"
+    )
+
+
+class PrepareInputs(FrozenModel):
+    """A skin and the steps on its way to a model. Steps set to null are left out; the defaults are the thesis' full-body case."""
+
+    skin: MeshReference
+    heal: HealParameters | None = Field(
+        HealParameters(), description="Mend the skin first; a fit one stays as it is. null: an unfit skin is refused"
+    )
+    decimate: DecimateParameters | None = Field(None, description="Thin the skin out before layers are made from it")
+    ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] | None = Field(
+        None, description="`auto` finds both ears of a whole body; or their boxes. Layers are thinner there"
+    )
+    canals: Annotated[tuple[MeshReference, ...], Field(max_length=8)] = Field(
+        (), description="Closed meshes of the ear canals' air, reaching out of the skin; they are cut out of it"
+    )
+    generate_canals: CanalShape | None = Field(
+        None, description="Cut a canal of this shape into each ear found; only with ears `auto` and without `canals`"
+    )
+    layers: Annotated[
+        tuple[Layer, ...],
+        Field(min_length=1, max_length=16, description="From outside inwards, so those outside the skin come first"),
+    ] = DEFAULT_LAYERS
+    ear_depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] = Field(
+        THESIS_DEPTHS_MM, description="Layer name -> depth in the ears and in the walls of their canals; only with `ears`"
+    )
+    blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
+    regions: Annotated[tuple[Region, ...], Field(max_length=32)] = Field((), description="Other boxes with their own depths")
+    thin_policy: Literal["adapt", "fail"] = Field(
+        "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
+    )
+    min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between any two surfaces")
+    skin_shift_mm: SkinShiftMm = 0.0
+    tissues: Annotated[tuple[InnerTissue, ...], Field(max_length=48)] = Field(
+        (), description="Closed surfaces inside the innermost layer, in any order, nested or side by side"
+    )
+    tetrahedra: TetrahedraParameters | None = Field(
+        TetrahedraParameters(), description="Fill all tissues with tetrahedra, a region each. null: surfaces only"
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> PrepareInputs:
+        require_distinct(self.layers)
+        if self.ears is None:
+            if self.canals or self.generate_canals is not None:
+                raise ValueError("canals are cut into ears: they go with `ears`")
+            for region in self.regions:
+                require_ordered(f"region '{region.name}'", self.layers, region.depths_mm)
+        else:
+            self.as_ears()
+        names = [*(layer.name for layer in self.layers), *(tissue.name for tissue in self.tissues)]
+        # names become outputs and files, and some file systems do not tell cases apart
+        if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
+            raise ValueError(f"layers and tissues must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
+        for tissue in self.tissues:
+            if tissue.inside is not None and (tissue.inside not in names or tissue.inside == tissue.name):
+                raise ValueError(f"tissue '{tissue.name}' is to be inside '{tissue.inside}'; there are {', '.join(names)}")
+        return self
+
+    def as_heal(self) -> HealInputs:
+        """The request of the step; `heal` is not null."""
+        asked = {} if self.heal is None else self.heal.model_dump()
+        return HealInputs.model_validate({"mesh": self.skin, "min_gap_mm": self.min_gap_mm, **asked})
+
+    def as_decimate(self) -> DecimateInputs:
+        """The request of the step; `decimate` is not null."""
+        asked = {} if self.decimate is None else self.decimate.model_dump()
+        return DecimateInputs.model_validate({"mesh": self.skin, "min_gap_mm": self.min_gap_mm, **asked})
+
+    def as_ears(self) -> EarsInputs:
+        """The request of the step; `ears` is not null."""
+        return EarsInputs(
+            skin=self.skin,
+            ears="auto" if self.ears is None else self.ears,
+            canals=self.canals,
+            generate_canals=self.generate_canals,
+            layers=self.layers,
+            ear_depths_mm=self.ear_depths_mm,
+            blend_mm=self.blend_mm,
+            regions=self.regions,
+            thin_policy=self.thin_policy,
+            min_gap_mm=self.min_gap_mm,
+            skin_shift_mm=self.skin_shift_mm,
+        )
+
+    def as_shells(self, ears: tuple[Region, ...]) -> ShellsInputs:
+        """The request of the layers, with the ears as plain regions."""
+        return ShellsInputs(
+            skin=self.skin,
+            layers=self.layers,
+            regions=(*ears, *self.regions),
+            thin_policy=self.thin_policy,
+            min_gap_mm=self.min_gap_mm,
+            skin_shift_mm=self.skin_shift_mm,
+        )
