@@ -15,6 +15,7 @@ test.each([
   [{ anyOf: [MESH, { type: "array", items: MESH }] }, "references"],
   [{ type: "object", additionalProperties: MESH }, "named_references"],
   [{ type: "array", items: { type: "object", properties: { name: {}, depth_mm: {} } } }, "layers"],
+  [{ type: "array", items: { type: "object", properties: { name: {}, mesh: MESH } } }, "tissues"],
   [BOX, "regions"],
   [{ anyOf: [{ type: "string", enum: ["auto"] }, BOX] }, "auto_or_regions"],
   [{ type: "object", additionalProperties: { type: "number" } }, "depths"],

@@ -9,6 +9,8 @@ import { asRegions, type Region } from "./values";
 export function AutoRegionsInput(props: {
   id: string;
   what: string;
+  /** True if leaving the input out means none; else the server finds them unless told otherwise. */
+  mayBeNone: boolean;
   schema: Schema;
   value: unknown;
   layers: readonly string[];
@@ -23,7 +25,8 @@ export function AutoRegionsInput(props: {
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
   const own = Array.isArray(value);
-  useEffect(() => onPreview(own ? [] : (found ?? [])), [own, found]);
+  const auto = props.mayBeNone ? value === "auto" : !own;
+  useEffect(() => onPreview(auto ? (found ?? []) : []), [auto, found]);
   useEffect(() => () => onPreview([]), []);
   const look = async () => {
     setBusy(true);
@@ -40,14 +43,20 @@ export function AutoRegionsInput(props: {
   return (
     <div class="stack">
       <div class="row">
+        {props.mayBeNone && (
+          <label class="row">
+            <input type="radio" name={id} checked={!own && !auto} onChange={() => onValue(undefined)} /> None
+          </label>
+        )}
         <label class="row">
-          <input type="radio" name={id} checked={!own} onChange={() => onValue(undefined)} /> Found by the server (auto)
+          <input type="radio" name={id} checked={auto} onChange={() => onValue(props.mayBeNone ? "auto" : undefined)} />{" "}
+          Found by the server (auto)
         </label>
         <label class="row">
           <input type="radio" name={id} checked={own} onChange={() => onValue(found ?? [])} /> My own boxes
         </label>
       </div>
-      {!own && find && (
+      {auto && find && (
         <div class="row">
           <button type="button" disabled={busy} onClick={look}>
             {busy ? "Looking…" : "Show where they are"}

@@ -14,7 +14,8 @@ import {
 } from "./references_input";
 import { RegionsInput } from "./regions_input";
 import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
-import { asDepths, asLayers, asRegions, type Reference, type Region } from "./values";
+import { TissuesTable } from "./tissues_table";
+import { asDepths, asLayers, asRegions, asTissues, type Reference, type Region } from "./values";
 
 /** What controls may need to know besides their own value. */
 export interface FormContext {
@@ -113,6 +114,15 @@ function Control({
     }
     case "layers":
       return <LayersTable layers={asLayers(value ?? fallback)} arrays={context.arrays} onLayers={onValue} />;
+    case "tissues":
+      return (
+        <TissuesTable
+          choices={meshChoices(context.meshes)}
+          meshes={context.meshes}
+          tissues={asTissues(value ?? fallback)}
+          onTissues={(tissues) => onValue(tissues.length ? tissues : undefined)}
+        />
+      );
     case "regions":
       return (
         <RegionsInput
@@ -130,6 +140,7 @@ function Control({
         <AutoRegionsInput
           id={id}
           what={name === "ears" ? "ear" : "region"}
+          mayBeNone={fallback === undefined || fallback === null}
           schema={regionSchema(schema)!}
           value={value}
           layers={context.layers}
@@ -218,20 +229,26 @@ function Control({
 /** An object with fields of its own; one that may be left out has a switch. */
 function Group(props: Pick<FieldProps, "schema" | "required" | "value" | "context" | "onValue">) {
   const { schema, required, context, onValue } = props;
-  const given = props.value as Record<string, unknown> | undefined;
+  // some groups are in use unless they are left out: null says so
+  const given = (props.value === undefined ? schema.default : props.value) as
+    | Record<string, unknown>
+    | null
+    | undefined;
+  const used = given !== undefined && given !== null;
+  const without = schema.default ? null : undefined;
   return (
     <div class="stack">
       {!required && (
         <label class="row">
           <input
             type="checkbox"
-            checked={given !== undefined}
-            onChange={(event) => onValue(event.currentTarget.checked ? {} : undefined)}
+            checked={used}
+            onChange={(event) => onValue(event.currentTarget.checked ? {} : without)}
           />
           Use it
         </label>
       )}
-      {(required || given !== undefined) &&
+      {(required || used) &&
         Object.entries(schema.properties ?? {}).map(([name, one]) => (
           <Field
             key={name}

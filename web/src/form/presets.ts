@@ -22,6 +22,13 @@ export const PRESETS: readonly Preset[] = [
     },
   },
   {
+    title: "Thesis: the whole way",
+    about:
+      "Mend the skin, find both ears and cut canals, layers as above, then your inner tissues, proof and tetrahedra; all in one job.",
+    process: "prepare",
+    values: { ears: "auto", generate_canals: {} },
+  },
+  {
     title: "Skin, fat and average body",
     about: "Fat at 1 mm and average body at 3 mm everywhere, thinner only where the body is.",
     process: "shells",

@@ -26,6 +26,7 @@ export function packageChoices(jobs: readonly Job[]): Choice[] {
 
 export function ReferenceInput(props: {
   id: string;
+  label?: string | undefined;
   choices: readonly Choice[];
   href: string;
   optional: boolean;
@@ -34,7 +35,12 @@ export function ReferenceInput(props: {
   const { choices, href } = props;
   const known = choices.some((one) => one.href === href);
   return (
-    <select id={props.id} value={href} onChange={(event) => props.onHref(event.currentTarget.value)}>
+    <select
+      id={props.id}
+      aria-label={props.label}
+      value={href}
+      onChange={(event) => props.onHref(event.currentTarget.value)}
+    >
       <option value="">{props.optional ? "None" : "Choose…"}</option>
       {href && !known && <option value={href}>{href}</option>}
       {choices.map((one) => (

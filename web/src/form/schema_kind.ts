@@ -7,6 +7,7 @@ export type Kind =
   | "references"
   | "named_references"
   | "layers"
+  | "tissues"
   | "regions"
   | "auto_or_regions"
   | "depths"
@@ -24,6 +25,7 @@ export function kindOf(schema: Schema): Kind {
     if (isReference(items)) return "references";
     if (items.properties?.box_mm) return "regions";
     if (items.properties?.depth_mm && items.properties.name) return "layers";
+    if (items.properties?.mesh && isReference(items.properties.mesh) && items.properties.name) return "tissues";
   }
   const among = schema.anyOf ?? schema.oneOf;
   if (among) {

@@ -13,6 +13,14 @@ export interface Region {
   [more: string]: unknown;
 }
 
+/** An inner surface; `inside` and the conductivity may be left to the server. */
+export interface Tissue {
+  name: string;
+  mesh: { href: string };
+  inside?: string | undefined;
+  conductivity_s_per_m?: number | undefined;
+}
+
 export interface Reference {
   href: string;
 }
@@ -20,6 +28,10 @@ export interface Reference {
 /** A value of the form if it has the shape it should have, else what is taken for granted. */
 export function asLayers(value: unknown): Layer[] {
   return Array.isArray(value) ? (value as Layer[]) : [];
+}
+
+export function asTissues(value: unknown): Tissue[] {
+  return Array.isArray(value) ? (value as Tissue[]) : [];
 }
 
 export function asRegions(value: unknown): Region[] {

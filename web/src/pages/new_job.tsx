@@ -17,11 +17,6 @@ import { tissueColours } from "../tissues";
 import type { RegionBox, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 
-/** The word `auto` is what the form says by leaving an input out. */
-function withoutAuto(inputs: Record<string, unknown>): Record<string, unknown> {
-  return Object.fromEntries(Object.entries(inputs).filter(([, value]) => value !== "auto" && value !== null));
-}
-
 /** Set up a job: the form is made from the process' own description. */
 export function NewJobPage({ query }: { query: URLSearchParams }) {
   const catalogue = useLoaded("processes", (signal) =>
@@ -67,7 +62,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     if (!like) return;
     getInputs(like).then((asked) => {
       setProcessId(asked.processID);
-      update(withoutAuto(asked.inputs));
+      update(asked.inputs);
     }, setError);
   }, [like]);
   const choose = (id: string, given: Record<string, unknown>, title: string) => {
