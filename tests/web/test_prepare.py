@@ -1,0 +1,51 @@
+"""The form of `prepare`: steps that may be left out, ears that may be none, inner tissues by name."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from store.settings import Settings
+from tests.acceptance.service import binary_stl
+from tests.api.live import serving
+from tests.solids import sphere
+from tests.valkey import ValkeyServer
+from tests.web.browser import chromium, visit
+
+
+def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shared_valkey: ValkeyServer) -> None:
+    settings = Settings(data_dir=tmp_path, broker_url=shared_valkey.url, queue="tests-page-prepare", port=0)
+    with serving(settings) as live, chromium() as browser, visit(browser, live.url) as seen:
+        skin = live.mesh_href(binary_stl(sphere(50.0, 2)))
+        organ = live.mesh_href(binary_stl(sphere(10.0, 1)))
+        page = seen.page
+        page.goto(f"/#/new?mesh={skin.rpartition('/')[2]}")
+        page.get_by_role("button", name=re.compile("Thesis: the whole way")).click()
+        expect(page.get_by_label("Found by the server (auto)")).to_be_checked()
+        page.get_by_label("None", exact=True).check()
+        using = page.get_by_role("checkbox", name="Use it")
+        expect(using.nth(0)).to_be_checked()  # heal
+        expect(using.nth(1)).not_to_be_checked()  # decimate
+        using.nth(0).uncheck()
+        using.nth(2).uncheck()  # canals go with ears
+        page.get_by_role("button", name="Add a tissue").click()
+        page.get_by_label("Mesh of tissue 1").select_option(organ)
+        page.get_by_label("Name of tissue 1").fill("heart")
+        page.get_by_label("Conductivity of heart in S/m").fill("0.4")
+        page.get_by_label("Radius edge").fill("1.5")
+        seen.picture("prepare-form")
+        assert seen.barriers() == []
+        page.get_by_role("button", name="Start the job").click()
+        expect(page.get_by_text("Waits for a worker", exact=True)).to_be_visible()
+        job = page.url.rpartition("/")[2]
+        asked = live.client.get(f"/v1/jobs/{job}/inputs").json()["inputs"]
+        assert asked["heal"] is None
+        assert "ears" not in asked
+        assert "generate_canals" not in asked
+        assert asked["tissues"] == [{"name": "heart", "mesh": {"href": organ}, "conductivity_s_per_m": 0.4}]
+        assert asked["tetrahedra"] == {"radius_edge": 1.5, "max_volume_mm3": {}}
+        page.goto(f"/#/new?like={job}")
+        expect(page.get_by_label("Name of tissue 1")).to_have_value("heart")
+        expect(using.nth(0)).not_to_be_checked()
