@@ -19,12 +19,16 @@ EXECUTE_RELATION = _OGC_RELATIONS + "execute"
 JOB_LIST_RELATION = _OGC_RELATIONS + "job-list"
 RESULTS_RELATION = _OGC_RELATIONS + "results"
 
+_BASE_KEY = "integument.base"  # of ASGI's scope
+
 Query = Sequence[tuple[str, str]]
 
 
 def absolute(request: Request, path: str, query: Query = ()) -> str:
     """The URL of `path` (starts with /v1) on this server; query values are escaped."""
-    base = str(request.base_url).rstrip("/")
+    base: str | None = request.scope.get(_BASE_KEY)
+    if base is None:  # once per request: a document has many links
+        base = request.scope[_BASE_KEY] = str(request.base_url).rstrip("/")
     return base + quote(path) + (f"?{urlencode(query)}" if query else "")
 
 

@@ -131,4 +131,5 @@ def _input(mesh: MeshInput) -> dict[str, Any]:
 
 _TABLES = Record.metadata.tables
 _JOB, _INPUTS, _LABELS, _EVENT = (insert(_TABLES[name]) for name in ("jobs", "job_inputs", "job_labels", "job_events"))
-_SAME = tuple(column for column in _TABLES["jobs"].columns.keys() if column in Job.__dataclass_fields__ and column != "labels")
+_COLUMNS = (column.name for column in _TABLES["jobs"].columns)
+_SAME = tuple(name for name in _COLUMNS if name in Job.__dataclass_fields__ and name != "labels")

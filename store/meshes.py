@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from sqlalchemy import func, select, tuple_
+from sqlalchemy import bindparam, func, select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -143,8 +143,7 @@ class Meshes:
 
 
 def _owned(session: Session, workspace: WorkspaceId, mesh_id: str, *, lock: bool = False) -> MeshRow:
-    query = select(MeshRow).where(MeshRow.id == mesh_id, MeshRow.workspace == workspace)
-    row = session.scalars(query.with_for_update() if lock else query).one_or_none()
+    row = session.scalars(_LOCKED if lock else _OWNED, {"mesh_id": mesh_id, "workspace": workspace}).one_or_none()
     if row is None:
         raise StateError("mesh.not_found", f"there is no mesh {mesh_id}", mesh=mesh_id)
     return row
@@ -169,3 +168,7 @@ def _record(row: MeshRow) -> MeshRecord:
         arrays=tuple(row.arrays or ()),
         volume=row.volume,
     )
+
+
+_OWNED = select(MeshRow).where(MeshRow.id == bindparam("mesh_id"), MeshRow.workspace == bindparam("workspace"))
+_LOCKED = _OWNED.with_for_update()

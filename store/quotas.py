@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, func, select
+from sqlalchemy import ColumnElement, bindparam, func, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from core.errors import LimitError
@@ -62,8 +62,7 @@ class Quotas:
 
     def _locked(self, workspace: WorkspaceId, session: Session) -> WorkspaceRow:
         """Two requests of one workspace take turns, so they cannot both use what is left; rows that refer to it go on."""
-        query = select(WorkspaceRow).where(WorkspaceRow.id == workspace).with_for_update(key_share=True)
-        return session.scalars(query).one()
+        return session.scalars(_LOCKED, {"workspace": workspace}).one()
 
     def _require_bytes(self, row: WorkspaceRow, size: int, session: Session) -> None:
         limit = self._default_bytes if row.quota_bytes is None else row.quota_bytes
@@ -82,8 +81,7 @@ class Quotas:
 
 
 def _count_jobs(workspace: WorkspaceId, session: Session) -> int:
-    query = select(func.count()).select_from(JobRow).where(JobRow.workspace == workspace, JobRow.status.in_(LIVE))
-    return session.execute(query).scalar_one()
+    return session.execute(_LIVE_JOBS, {"workspace": workspace}).scalar_one()
 
 
 def _sum_bytes(workspace: WorkspaceId, session: Session) -> int:
@@ -94,3 +92,8 @@ def _sum_bytes(workspace: WorkspaceId, session: Session) -> int:
     outputs = total(JobRow.output_bytes, JobRow.workspace == workspace)
     announced = total(UploadRow.length, UploadRow.workspace == workspace, UploadRow.mesh_id.is_(None))
     return meshes + outputs + announced
+
+
+# made once: to put such a statement together takes longer than to run it
+_LOCKED = select(WorkspaceRow).where(WorkspaceRow.id == bindparam("workspace")).with_for_update(key_share=True)
+_LIVE_JOBS = select(func.count()).select_from(JobRow).where(JobRow.workspace == bindparam("workspace"), JobRow.status.in_(LIVE))

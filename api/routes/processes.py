@@ -48,6 +48,7 @@ def get_process(process_id: str, request: Request) -> Process:
     "/{process_id}/execution",
     operation_id="executeProcess",
     status_code=201,
+    response_model=StatusInfo,
     response_model_exclude_none=True,
     responses=problems(404, 409, 413, 415, 422),
 )
@@ -55,12 +56,11 @@ async def execute_process(
     process_id: str,
     body: Annotated[ExecuteRequest, Body()],
     request: Request,
-    response: Response,
     services: ServicesDep,
     workspace: WorkspaceDep,
     preferences: PreferencesDep,
     idempotency_key: IdempotencyKey = None,
-) -> StatusInfo:
+) -> Response:
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
     subscriber = read_subscriber(services, request, body.subscriber)
     asked = (workspace, process_id, body, subscriber, idempotency_key)
@@ -68,11 +68,9 @@ async def execute_process(
     if preferences.wait_s:
         job = await wait_until(services, job, preferences.wait_s, has_ended)
         position = await run_in_threadpool(services.jobs.queue_position, workspace, job.id)
-    response.headers["Location"] = job_path(job.id)
-    response.headers.update(preferences.applied())
-    if replayed:
-        response.headers[REPLAYED] = "true"
-    return describe_job(request, job, position)
+    headers = {"Location": job_path(job.id), **preferences.applied(), **({REPLAYED: "true"} if replayed else {})}
+    told = describe_job(request, job, position).model_dump_json(exclude_none=True)
+    return Response(told, status_code=201, headers=headers, media_type="application/json")
 
 
 def _accept(
@@ -112,4 +110,4 @@ def _accept(
         return job
 
     job, replayed = once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))
-    return job, replayed, services.jobs.queue_position(workspace, job.id)
+    return job, replayed, services.jobs.queue_position(workspace, job.id) if replayed else services.jobs.position_of(job)
