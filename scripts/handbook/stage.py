@@ -26,7 +26,8 @@ def stage(folder: Path) -> None:
     _copy(ROOT / "openapi" / "openapi.json", folder / "openapi" / "openapi.json")
     for name, text in pages().items():
         page = folder / "docs" / "processes" / name
-        written = page.read_text(encoding="utf-8")
+        # a process under way may have no page yet; tests/project/test_process_pages.py asks for one
+        written = page.read_text(encoding="utf-8") if page.exists() else f"# Process `{page.stem}`\n"
         page.write_text(written + text, encoding="utf-8")
     for name, text in http_pages(ROOT / "openapi" / "openapi.json").items():
         page = folder / "docs" / "http" / name
