@@ -14,14 +14,14 @@ from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import Level
+from core.reports.figures.plot import Plot
 from core.reports.figures.section_drawing import (
+    draw_axes,
     draw_contours,
     draw_legend,
     draw_scale_bar,
-    frame_zoom,
     legend_height_in,
     mark_window,
-    set_window,
 )
 from core.reports.figures.zoom_window import zoom_window
 from core.reports.palette import Colour
@@ -105,16 +105,16 @@ def _draw_panel(
 ) -> None:
     level, height_in, width_in = panel.level, panel.height_in(), panel.height_in() * panel.aspect()
     bottom, height = bottom_in / total_in, height_in / total_in
-    whole = figure.add_axes(((left_in + LEFT_IN) / SHEET_IN, bottom, width_in / SHEET_IN, height))
+    box = (left_in + LEFT_IN) / SHEET_IN, bottom, width_in / SHEET_IN, height
+    whole = Plot(figure, box, level.low, level.high)
     draw_contours(whole, panel.contours, colours, 0.7)
-    set_window(whole, level.plane, level.low, level.high, absolute=level.absolute)
-    draw_scale_bar(whole, level.low, level.high)
-    whole.set_title(f"{level.title}, seen {level.seen_from}", pad=5)
+    draw_axes(whole, level.plane, absolute=level.absolute)
+    draw_scale_bar(whole)
+    whole.title(f"{level.title}, seen {level.seen_from}")
     if panel.zoom is not None:
         mark_window(whole, *panel.zoom)
         zoom_left_in = left_in + LEFT_IN + width_in + LEFT_IN
-        zoom = figure.add_axes((zoom_left_in / SHEET_IN, bottom, height_in / SHEET_IN, height))
+        zoom = Plot(figure, (zoom_left_in / SHEET_IN, bottom, height_in / SHEET_IN, height), *panel.zoom)
         draw_contours(zoom, panel.contours, colours, 1.3)
-        set_window(zoom, level.plane, *panel.zoom, absolute=level.absolute)
-        draw_scale_bar(zoom, *panel.zoom)
-        frame_zoom(zoom)
+        draw_axes(zoom, level.plane, absolute=level.absolute, whole=True)
+        draw_scale_bar(zoom)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import matplotlib
 import numpy as np
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
@@ -15,6 +14,7 @@ from core.geometry.body_frame import BodyFrame
 from core.geometry.dihedral import dihedral_angles
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_beside, place_picture
 from core.reports.figures.view import Scratch, Surface, look
@@ -39,7 +39,8 @@ def face_curvature(mesh: Mesh) -> Floats:
 def draw_curvature_pair(name: str, before: Mesh, after: Mesh, frame: BodyFrame) -> Figure:
     """The same views of both, left and right, in one scale of colours."""
     curvatures = face_curvature(before), face_curvature(after)
-    scale = Normalize(0.0, max(SMALLEST_TOP_DEG, float(np.percentile(curvatures[1], TOP_PERCENTILE))))
+    top = max(SMALLEST_TOP_DEG, float(np.percentile(curvatures[1], TOP_PERCENTILE)))
+    scale = Normalize(0.0, top)
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     half_px = round(WIDTH_IN * VIEW_DPI) // 2
     total_in = HEIGHT_IN + BAR_IN + HEAD_IN
@@ -54,10 +55,9 @@ def draw_curvature_pair(name: str, before: Mesh, after: Mesh, frame: BodyFrame) 
                 place_picture(figure, shifted, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
             words = f"{title}: {whole(len(mesh.faces))} faces"
             figure.text(0.25 + 0.5 * side, 1.0 - 0.5 * HEAD_IN / total_in, words, ha="center", va="center", fontweight="bold")
-        axes = figure.add_axes((0.2, 0.42 / total_in, 0.6, 0.13 / total_in))
-        bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal", extend="max")
-        bar.outline.set_linewidth(0.4)
-        axes.set_xlabel("mean angle between the normals of a face and its neighbours [°]")
+        box = (0.2, 0.42 / total_in, 0.6, 0.13 / total_in)
+        words = "mean angle between the normals of a face and its neighbours [°]"
+        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, words, more=True)
         png = to_png(figure)
     means = (float(curvature.mean()) for curvature in curvatures)
     caption = (

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import matplotlib
 import numpy as np
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from core.geometry.body_frame import BodyFrame
 from core.geometry.deviation import Deviation
 from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
 from core.reports.figures.view import Scratch, Surface, look
@@ -26,7 +26,8 @@ def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Fig
     way = deviation.back
     per_face = way.per_face()
     moved = per_face[per_face > UNCHANGED_MM]  # where little was mended, the rest must not set the scale
-    scale = Normalize(0.0, float(np.percentile(moved, TOP_PERCENTILE)) if len(moved) else UNCHANGED_MM)
+    top = float(np.percentile(moved, TOP_PERCENTILE)) if len(moved) else UNCHANGED_MM
+    scale = Normalize(0.0, top)
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     shades = PALEST + (1.0 - PALEST) * np.clip(scale(per_face), 0.0, 1.0)
     colours = np.ascontiguousarray(colour_map(shades, bytes=True)[:, :3])
@@ -34,10 +35,9 @@ def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Fig
     with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
         for panel in arrange_views(way.surface, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
             place_picture(figure, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
-        axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
-        bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal", extend="max")
-        bar.outline.set_linewidth(0.4)
-        axes.set_xlabel(f"distance of {name} to the original [mm]")
+        box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
+        words = f"distance of {name} to the original [mm]"
+        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, words, more=True)
         png = to_png(figure)
     x, y, z = deviation.farthest()
     caption = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.normals import face_normals
@@ -13,13 +13,13 @@ from core.geometry.section import Plane, cut
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.plot import Box, Plot
 from core.reports.figures.section_drawing import (
+    draw_axes,
     draw_contours,
     draw_legend,
     draw_scale_bar,
-    frame_zoom,
     legend_height_in,
-    set_window,
     shortened,
 )
 from core.reports.palette import Colour
@@ -44,25 +44,24 @@ def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], col
     with sheet(WIDTH_IN, total_in) as figure:
         for number, pair in enumerate(shown):
             left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
-            axes = figure.add_axes((left_in / WIDTH_IN, TICKS_IN / total_in, panel_in / WIDTH_IN, panel_in / total_in))
-            _draw_place(axes, pair, meshes, colours)
+            box = (left_in / WIDTH_IN, TICKS_IN / total_in, panel_in / WIDTH_IN, panel_in / total_in)
+            _draw_place(figure, box, pair, meshes, colours)
         draw_legend(figure, colours)
         png = to_png(figure)
     places = "; ".join(f"{pair.a} and {pair.b}: {_gap_words(pair)}, at {_point_words(pair)} mm" for pair in shown)
     return Figure("gap_places", "Narrowest gaps", f"Sections through the narrowest places: {places}.", png)
 
 
-def _draw_place(axes: Axes, pair: PairReport, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
+def _draw_place(figure: Sheet, box: Box, pair: PairReport, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
     point = np.array(pair.min_gap_point_mm, dtype=np.float64)
     across = _nearest_normal(meshes[pair.a], point)
     plane = Plane.of(point, np.roll(np.eye(3), 1, axis=0)[int(np.argmax(np.abs(across)))], across)
     half = 0.5 * float(np.clip(WINDOW_GAPS * (pair.min_gap_mm or 0.0), SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM))
-    low, high = np.array([-half, -half]), np.array([half, half])
-    draw_contours(axes, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
-    set_window(axes, plane, low, high, absolute=False)
-    draw_scale_bar(axes, low, high)
-    frame_zoom(axes)
-    axes.set_title(f"{shortened(pair.a, 14)} – {shortened(pair.b, 14)}\n{_gap_words(pair)}", pad=5)
+    plot = Plot(figure, box, (-half, -half), (half, half))
+    draw_contours(plot, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
+    draw_axes(plot, plane, absolute=False, whole=True)
+    draw_scale_bar(plot)
+    plot.title(f"{shortened(pair.a, 14)} – {shortened(pair.b, 14)}\n{_gap_words(pair)}")
 
 
 def _nearest_normal(mesh: Mesh, point: Floats) -> Floats:

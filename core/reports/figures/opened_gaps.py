@@ -6,20 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.section import Plane, cut
 from core.mesh import Mesh
 from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.plot import Box, Plot
 from core.reports.figures.section_drawing import (
+    draw_axes,
     draw_contours,
     draw_legend,
     draw_scale_bar,
-    frame_zoom,
     legend_height_in,
-    set_window,
     shortened,
 )
 from core.reports.palette import Colour
@@ -69,9 +69,8 @@ def draw_opened_gaps(before: Mapping[str, Mesh], after: Mapping[str, Mesh], colo
             for row, meshes in enumerate((after, before)):
                 bottom_in = TICKS_IN + row * row_in
                 box = (left_in / WIDTH_IN, bottom_in / total_in, panel_in / WIDTH_IN, panel_in / total_in)
-                axes = figure.add_axes(box)
-                _draw(axes, place, meshes, colours)
-                axes.set_title(f"{shortened(place.name, 14)}\n{'before' if row else f'after: {place.shift_mm:.3g} mm'}", pad=5)
+                plot = _draw(figure, box, place, meshes, colours)
+                plot.title(f"{shortened(place.name, 14)}\n{'before' if row else f'after: {place.shift_mm:.3g} mm'}")
         draw_legend(figure, colours)
         png = to_png(figure)
     words = "; ".join(f"{place.name} by {place.shift_mm:.3g} mm at {_point_words(place)} mm" for place in places)
@@ -80,13 +79,13 @@ def draw_opened_gaps(before: Mapping[str, Mesh], after: Mapping[str, Mesh], colo
     )
 
 
-def _draw(axes: Axes, place: _Place, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
+def _draw(figure: Sheet, box: Box, place: _Place, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Plot:
     plane, half = place.plane(), 0.5 * place.window_mm
-    low, high = np.array([-half, -half]), np.array([half, half])
-    draw_contours(axes, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
-    set_window(axes, plane, low, high, absolute=False)
-    draw_scale_bar(axes, low, high)
-    frame_zoom(axes)
+    plot = Plot(figure, box, (-half, -half), (half, half))
+    draw_contours(plot, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
+    draw_axes(plot, plane, absolute=False, whole=True)
+    draw_scale_bar(plot)
+    return plot
 
 
 def _farthest(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> list[_Place]:

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from core.geometry.quality import quality
 from core.mesh import Mesh
-from core.reports.figures.canvas import FAINT, sheet, to_png
+from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.plot import Plot
 from core.reports.figures.section_drawing import draw_legend, legend_height_in
 from core.reports.palette import Colour, as_hex
 
 BINS = 50
 SMALLEST_SHARE = 1e-6
+SHARES_PT = 48.0  # room for `0.0001 %`
+TENTHS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 WIDTH_IN, PLOT_IN, TICKS_IN = 8.4, 1.75, 0.45
 
 
@@ -34,19 +36,20 @@ def draw_shares(values: Mapping[str, NDArray[np.float64]], colours: Mapping[str,
     edges = np.linspace(0.0, 1.0, BINS + 1)
     total_in = legend_height_in(len(values)) + PLOT_IN + TICKS_IN
     with sheet(WIDTH_IN, total_in) as figure:
-        axes = figure.add_axes((0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in))
+        box = (0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in)
+        plot = Plot(figure, box, (0.0, SMALLEST_SHARE), (1.0, 1.0), log_y=True)
         for name, own in values.items():
             shares = np.histogram(own, bins=edges)[0] / len(own)
-            heights = np.maximum(np.append(shares, shares[-1]), SMALLEST_SHARE)
-            axes.step(edges, heights, where="post", color=as_hex(colours[name]), linewidth=1.3)
-        axes.set_yscale("log")
-        axes.set_ylim(SMALLEST_SHARE, 1.0)
-        axes.set_xlim(0.0, 1.0)
-        axes.set_yticks([10.0**power for power in range(-6, 1, 2)])
-        axes.minorticks_off()
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda part, _position: f"{100 * part:g} %"))
-        axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
-        axes.set_ylabel(share)
-        axes.set_xlabel(value)
+            plot.steps(edges, np.maximum(shares, SMALLEST_SHARE), as_hex(colours[name]), 1.3)
+        dress_shares(plot, share)
+        plot.ticks_x(TENTHS, lambda part: f"{part:.1f}")
+        plot.label_x(value)
         draw_legend(figure, {name: colours[name] for name in values})
         return to_png(figure)
+
+
+def dress_shares(plot: Plot, share: str) -> None:
+    """A logarithmic axis of shares, from one in a million to all."""
+    plot.rim()
+    plot.ticks_y([10.0**power for power in range(-6, 1, 2)], lambda part: f"{100 * part:g} %", grid=True)
+    plot.label_y(share, SHARES_PT)

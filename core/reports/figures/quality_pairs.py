@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from core.geometry.quality import quality
 from core.mesh import Mesh
 from core.reports.figures.canvas import FAINT, sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.plot import Plot
+from core.reports.figures.quality_histogram import SMALLEST_SHARE, TENTHS, dress_shares
 from core.reports.figures.section_drawing import shortened
 from core.reports.palette import Colour, as_hex
 
 BINS = 50
-SMALLEST_SHARE = 1e-6
 WIDTH_IN, PANEL_IN, TICKS_IN, LEGEND_IN, TITLE_IN = 8.4, 1.55, 0.45, 0.3, 0.26
 
 
@@ -30,12 +29,17 @@ def draw_quality_pairs(pairs: Mapping[str, tuple[Mesh, Mesh]], colours: Mapping[
     with sheet(WIDTH_IN, total_in) as figure:
         for number, (name, (before, after)) in enumerate(pairs.items()):
             bottom_in = TICKS_IN + (len(pairs) - 1 - number) * (TITLE_IN + PANEL_IN)
-            axes = figure.add_axes((0.10, bottom_in / total_in, 0.88, PANEL_IN / total_in))
+            box = (0.10, bottom_in / total_in, 0.88, PANEL_IN / total_in)
+            plot = Plot(figure, box, (0.0, SMALLEST_SHARE), (1.0, 1.0), log_y=True)
             former, present = (quality(mesh.vertices, mesh.faces) for mesh in (before, after))
-            axes.step(edges, _shares(former, edges), where="post", color=FAINT, linewidth=1.0)
-            axes.step(edges, _shares(present, edges), where="post", color=as_hex(colours[name]), linewidth=1.4)
-            _dress(axes, last=number == len(pairs) - 1)
-            axes.set_title(shortened(name), pad=3)
+            plot.steps(edges, _shares(former, edges), FAINT, 1.0)
+            plot.steps(edges, _shares(present, edges), as_hex(colours[name]), 1.4)
+            dress_shares(plot, "share of faces")
+            last = number == len(pairs) - 1
+            plot.ticks_x(TENTHS, (lambda part: f"{part:.1f}") if last else None)
+            if last:
+                plot.label_x("triangle quality q (1: equilateral)")
+            plot.title(shortened(name), 3)
             words.append(f"{name} {former.min():.2g} to {present.min():.2g}, mean {former.mean():.3f} to {present.mean():.3f}")
         handles = [
             Line2D([], [], color=colour, linewidth=2, label=text) for colour, text in ((FAINT, "before"), ("#000000", "after"))
@@ -47,21 +51,5 @@ def draw_quality_pairs(pairs: Mapping[str, tuple[Mesh, Mesh]], colours: Mapping[
 
 
 def _shares(q: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
-    shares = np.histogram(q, bins=edges)[0] / len(q)
-    heights: NDArray[np.float64] = np.maximum(np.append(shares, shares[-1]), SMALLEST_SHARE)
+    heights: NDArray[np.float64] = np.maximum(np.histogram(q, bins=edges)[0] / len(q), SMALLEST_SHARE)
     return heights
-
-
-def _dress(axes: Axes, *, last: bool) -> None:
-    axes.set_yscale("log")
-    axes.set_ylim(SMALLEST_SHARE, 1.0)
-    axes.set_xlim(0.0, 1.0)
-    axes.set_yticks([10.0**power for power in range(-6, 1, 2)])
-    axes.minorticks_off()
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _position: f"{100 * share:g} %"))
-    axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
-    axes.set_ylabel("share of faces")
-    if last:
-        axes.set_xlabel("triangle quality q (1: equilateral)")
-    else:
-        axes.set_xticklabels([])

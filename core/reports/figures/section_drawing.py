@@ -6,67 +6,65 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
-from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from core.geometry.section import Contour, Plane
 from core.reports.figures.canvas import FAINT, INK, PAPER
 from core.reports.figures.levels import axis_of
+from core.reports.figures.plot import Plot, round_values
 from core.reports.palette import Colour, as_hex, lightened
 
 Floats = NDArray[np.float64]
 PALE = 0.72
+TICKS = 6
+TICKS_PT, DIGIT_PT = 10.0, 5.2  # ticks and gaps, and the width of a digit
 LEGEND_COLUMNS = 4
 
 
-def draw_contours(axes: Axes, contours: Mapping[str, Sequence[Contour]], colours: Mapping[str, Colour], line_pt: float) -> None:
+def draw_contours(plot: Plot, contours: Mapping[str, Sequence[Contour]], colours: Mapping[str, Colour], line_pt: float) -> None:
     """Fill the inside of every mesh, outermost first, then draw the lines on top; open contours are lines only."""
     for order, (name, chains) in enumerate(contours.items()):
         closed = [Path(chain.points, closed=False) for chain in chains if chain.closed]
         if closed:
-            inside = Path.make_compound_path(*closed)
-            axes.add_artist(PathPatch(inside, facecolor=as_hex(lightened(colours[name], PALE)), edgecolor="none", zorder=order))
+            plot.fill(Path.make_compound_path(*closed), as_hex(lightened(colours[name], PALE)), order)
     for order, (name, chains) in enumerate(contours.items()):
         if chains:
             lines = Path.make_compound_path(*(Path(chain.points, closed=False) for chain in chains))
-            style = {"facecolor": "none", "edgecolor": as_hex(colours[name]), "linewidth": line_pt, "joinstyle": "round"}
-            axes.add_artist(PathPatch(lines, zorder=100 + order, **style))
+            plot.outline(lines, as_hex(colours[name]), line_pt, 100 + order)
 
 
-def set_window(axes: Axes, plane: Plane, low: Floats, high: Floats, *, absolute: bool = True) -> None:
-    """Equal scales, ticks in mm of the mesh's own axes (whatever way they run), or relative to the plane's origin and unnamed."""
-    axes.set_aspect("equal", adjustable="box")
-    axes.set_xlim(float(low[0]), float(high[0]))
-    axes.set_ylim(float(low[1]), float(high[1]))
-    for axis, direction in ((axes.xaxis, plane.right), (axes.yaxis, plane.up)):
-        letter, sign = axis_of(direction) if absolute else ("", 1.0)
-        axis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
-        axis.set_major_formatter(FuncFormatter(lambda value, _position, sign=sign: f"{sign * value + 0.0:g}".replace("-", "−")))
-        if absolute:
-            axis.set_label_text(f"{letter} [mm]")
+def draw_axes(plot: Plot, plane: Plane, *, absolute: bool = True, whole: bool = False) -> None:
+    """Ticks in mm of the mesh's own axes (whatever way they run), or relative to the plane's origin and unnamed.
+
+    whole: a dark rim all around, for a zoom like the mark it belongs to."""
+    plot.rim(whole=whole, colour=INK if whole else FAINT, width_pt=0.8 if whole else 0.6)
+    across, across_sign = axis_of(plane.right) if absolute else ("", 1.0)
+    up, up_sign = axis_of(plane.up) if absolute else ("", 1.0)
+    plot.ticks_x(round_values(float(plot.low[0]), float(plot.high[0]), TICKS), lambda value: _signed(across_sign * value))
+    values = round_values(float(plot.low[1]), float(plot.high[1]), TICKS)
+    plot.ticks_y(values, lambda value: _signed(up_sign * value))
+    if absolute:
+        plot.label_x(f"{across} [mm]")
+        longest = max((len(_signed(value)) for value in values), default=1)
+        plot.label_y(f"{up} [mm]", TICKS_PT + DIGIT_PT * longest)
 
 
-def draw_scale_bar(axes: Axes, low: Floats, high: Floats) -> None:
+def _signed(value: float) -> str:
+    return f"{value + 0.0:g}".replace("-", "−")
+
+
+def draw_scale_bar(plot: Plot) -> None:
     """A bar of a round length, about a fifth of the window, bottom right."""
-    width = float(high[0] - low[0])
-    length = round_length(width / 5)
-    right, bottom = float(high[0]) - 0.04 * width, float(low[1]) + 0.05 * float(high[1] - low[1])
-    axes.plot([right - length, right], [bottom, bottom], color=INK, linewidth=2.5, solid_capstyle="butt", zorder=300)
-    axes.annotate(
-        f"{length:g} mm",
-        (right, bottom),
-        (0, 3),
-        textcoords="offset points",
-        ha="right",
-        va="bottom",
-        zorder=300,
-        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.75, "pad": 0.8},
-    )
+    width, height = plot.high - plot.low
+    length = round_length(float(width) / 5)
+    right, bottom = float(plot.high[0] - 0.04 * width), float(plot.low[1] + 0.05 * height)
+    bar = Path([(right - length, bottom), (right, bottom)])
+    plot.outline(bar, INK, 2.5, 300)
+    ground = {"facecolor": PAPER, "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
+    plot.words(right, bottom, f"{length:g} mm", (0, 3), ha="right", va="bottom", fontsize=8.0, bbox=ground)
 
 
 def draw_legend(figure: Sheet, colours: Mapping[str, Colour]) -> None:
@@ -85,19 +83,10 @@ def shortened(name: str, longest: int = 22) -> str:
     return name if len(name) <= longest else name[: longest - 1] + "…"
 
 
-def mark_window(axes: Axes, low: Floats, high: Floats) -> None:
-    """The frame of a zoom on the axes it is taken from."""
-    size = high - low
-    axes.add_artist(Rectangle((low[0], low[1]), size[0], size[1], facecolor="none", edgecolor=INK, linewidth=0.8, zorder=290))
-
-
-def frame_zoom(axes: Axes) -> None:
-    """Full frame around a zoom, like the mark it belongs to."""
-    for spine in axes.spines.values():
-        spine.set_visible(True)
-        spine.set_edgecolor(INK)
-        spine.set_linewidth(0.8)
-    axes.tick_params(color=FAINT)
+def mark_window(plot: Plot, low: Floats, high: Floats) -> None:
+    """The frame of a zoom on the plot it is taken from."""
+    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    plot.outline(Path([*corners, corners[0], corners[1]]), INK, 0.8, 290)
 
 
 def round_length(length_mm: float) -> float:

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+import numpy as np
 
-from core.reports.figures.canvas import FAINT, sheet, to_png
+from core.reports.figures.canvas import sheet, to_png
 from core.reports.figures.figure import Figure
+from core.reports.figures.plot import Plot, round_values
 from core.reports.figures.section_drawing import draw_legend, legend_height_in
 from core.reports.palette import Colour, as_hex
 
 WIDTH_IN, PLOT_IN, TICKS_IN, GUTTER = 8.4, 2.2, 0.45, 0.09
 LOWEST_SHOWN = 1e-6
+EDGE = 0.05  # of the range stays free at both ends
+SMALLEST_DRIFT = 1e-4  # percent
+LABEL_PT = 36.0
 
 
 class State(Protocol):
@@ -46,24 +49,28 @@ def draw_smoothing_course(
     total_in = legend_height_in(len(courses)) + PLOT_IN + TICKS_IN
     bottom, height = TICKS_IN / total_in, PLOT_IN / total_in
     with sheet(WIDTH_IN, total_in) as figure:
-        quality = figure.add_axes((0.08, bottom, 0.48 - GUTTER / 2, height))
-        volume = figure.add_axes((0.54 + GUTTER / 2, bottom, 0.44 - GUTTER / 2, height))
+        last = max(1, *(len(states) - 1 for states in courses.values()))
+        lowest_of_all = min(max(state.lowest_quality, LOWEST_SHOWN) for states in courses.values() for state in states)
+        drifts = {name: drift for name, states in courses.items() if (drift := _volume_drift(states)) is not None}
+        floor, ceiling = _drift_window(drifts)
+        decade = float(10.0 ** np.floor(np.log10(lowest_of_all) - 1e-9))
+        box = (0.08, bottom, 0.48 - GUTTER / 2, height)
+        quality = Plot(figure, box, (-EDGE * last, decade), ((1 + EDGE) * last, 1.0), log_y=True)
+        box = (0.54 + GUTTER / 2, bottom, 0.44 - GUTTER / 2, height)
+        volume = Plot(figure, box, (-EDGE * last, floor), ((1 + EDGE) * last, ceiling))
+        quality.ticks_y([10.0**power for power in range(-6, 1)], lambda value: f"{value:g}", grid=True)
+        volume.ticks_y(round_values(floor, ceiling, 8), lambda value: f"{value:g}".replace("-", "−"), grid=True)
+        _dress(quality, last, "quality q: lowest (solid), mean (dashed)")
+        _dress(volume, last, "change of the volume [%]")
         for name, states in courses.items():
-            colour, at = as_hex(colours[name]), delivered[name]
+            colour, at, count = as_hex(colours[name]), delivered[name], np.arange(len(states))
             lowest = [max(state.lowest_quality, LOWEST_SHOWN) for state in states]
-            quality.plot(range(len(states)), lowest, color=colour, linewidth=1.4)
-            quality.plot(range(len(states)), [state.mean_quality for state in states], "--", color=colour, linewidth=1.0)
-            quality.plot([at], [lowest[at]], "o", color=colour, markersize=5)
-            drift = _volume_drift(states)
-            if drift is not None:
-                volume.plot(range(len(states)), drift, color=colour, linewidth=1.4)
-                volume.plot([at], [drift[at]], "o", color=colour, markersize=5)
-        quality.set_yscale("log")
-        quality.set_ylim(top=1.0)
-        quality.minorticks_off()
-        quality.yaxis.set_major_formatter(FuncFormatter(lambda value, _position: f"{value:g}"))
-        _dress(quality, "quality q: lowest (solid), mean (dashed)")
-        _dress(volume, "change of the volume [%]")
+            quality.line(count, lowest, colour, 1.4)
+            quality.line(count, [max(state.mean_quality, LOWEST_SHOWN) for state in states], colour, 1.0, style="--")
+            quality.dot(at, lowest[at], colour, 5)
+            if name in drifts:
+                volume.line(count, drifts[name], colour, 1.4)
+                volume.dot(at, drifts[name][at], colour, 5)
         draw_legend(figure, {name: colours[name] for name in courses})
         png = to_png(figure)
     words = [
@@ -84,8 +91,16 @@ def _volume_drift(states: Sequence[State]) -> list[float] | None:
     return [100.0 * ((volume or 0.0) / first - 1.0) for volume in volumes]
 
 
-def _dress(axes: Axes, label: str) -> None:
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=8))
-    axes.grid(axis="y", color=FAINT, linewidth=0.3, alpha=0.5)
-    axes.set_xlabel("iteration")
-    axes.set_ylabel(label)
+def _drift_window(drifts: Mapping[str, Sequence[float]]) -> tuple[float, float]:
+    """Lower and upper end of the axis: all values, with a little room, and never without any height."""
+    values = [value for drift in drifts.values() for value in drift]
+    low, high = min(values, default=0.0), max(values, default=0.0)
+    room = max(EDGE * (high - low), SMALLEST_DRIFT)
+    return low - room, high + room
+
+
+def _dress(plot: Plot, last: int, label: str) -> None:
+    plot.rim()
+    plot.ticks_x(round_values(0.0, float(last), 8, whole=True), lambda value: f"{value:g}")
+    plot.label_x("iteration")
+    plot.label_y(label, LABEL_PT)

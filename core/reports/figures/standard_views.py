@@ -16,10 +16,10 @@ from core.reports.figures.view import View
 
 Floats = NDArray[np.float64]
 MARGIN = 0.03
-VIEW_DPI = 200
+VIEW_DPI = 160
 HEAD_COLUMN = 0.26  # share of the width
 BODY_COLUMN = 0.5  # share of the width, beside two views of the head
-TITLE_PX = 36  # free above the shape
+TITLE_PX = 29  # free above the shape
 SMALLEST_WINDOW_MM = 1e-3
 
 

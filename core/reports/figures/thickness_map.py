@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import matplotlib
 import numpy as np
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.canvas import INK, sheet, to_png
+from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
 from core.reports.figures.view import Scratch, Surface, look
@@ -25,7 +25,8 @@ def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: floa
     """One layer's distance to the skin; depths_mm (F,) or (V,)."""
     per_face = depths_mm if len(depths_mm) == len(mesh.faces) else depths_mm[mesh.faces].mean(axis=1)
     low, middle, high = np.percentile(per_face, [1, 50, 99])
-    scale = Normalize(0.0, max(TOP_OF_SCALE * target_mm, float(high)))
+    top = max(TOP_OF_SCALE * target_mm, float(high))
+    scale = Normalize(0.0, top)
     colour_map = matplotlib.colormaps[COLOUR_MAP]
     colours = np.ascontiguousarray(colour_map(scale(per_face), bytes=True)[:, :3])
     surface, scratch = Surface.of(mesh), Scratch()
@@ -33,11 +34,9 @@ def draw_thickness_map(name: str, mesh: Mesh, depths_mm: Floats, target_mm: floa
         panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
         for panel in panels:
             place_picture(figure, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
-        axes = figure.add_axes((0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN)))
-        bar = figure.colorbar(ScalarMappable(scale, colour_map), cax=axes, orientation="horizontal")
-        bar.outline.set_linewidth(0.4)
-        axes.axvline(target_mm, color=INK, linewidth=1.2)
-        axes.set_xlabel(f"distance of {name} to the skin [mm]; dark line: target {target_mm:.4g} mm")
+        box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
+        words = f"distance of {name} to the skin [mm]; dark line: target {target_mm:.4g} mm"
+        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, words, mark=target_mm)
         png = to_png(figure)
     caption = (
         f"Depth of {name}, painted face by face on the layer. Half of the faces are farther from the skin than {middle:.2f} mm, "

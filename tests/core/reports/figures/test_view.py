@@ -47,9 +47,9 @@ def test_paint_shows_the_colours_of_the_faces_on_white():
     assert picture[0, 0].tolist() == [255, 255, 255]
     left, right = picture[50, 30], picture[50, 70]
     assert left[0] > 80
-    assert left[2] == 0
+    assert left[2] <= 1
     assert right[2] > 80
-    assert right[0] == 0
+    assert right[0] <= 1
 
 
 def test_compiled_and_plain_kernels_agree():
