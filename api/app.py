@@ -20,7 +20,22 @@ from api.problem_handlers import install_problem_handlers
 from api.request_context import LOOPBACK_HOSTS, RequestContext
 from api.request_folder import LEFT_BEHIND_S, sweep_incoming
 from api.request_log import RequestLog
-from api.routes import attempts, callbacks, ears, events, health, inputs, jobs, landing, meshes, page, processes, results, uploads
+from api.routes import (
+    attempts,
+    callbacks,
+    cohorts,
+    ears,
+    events,
+    health,
+    inputs,
+    jobs,
+    landing,
+    meshes,
+    page,
+    processes,
+    results,
+    uploads,
+)
 from api.services import Services, make_services
 from api.version import SERVER_VERSION
 from core.errors import IntegumentError
@@ -59,7 +74,7 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.services = services
     install_problem_handlers(app)
-    for module in (landing, meshes, ears, uploads, processes, jobs, results, events, callbacks, attempts, inputs):
+    for module in (landing, meshes, ears, uploads, processes, jobs, cohorts, results, events, callbacks, attempts, inputs):
         app.include_router(module.router, prefix=BASE)
     app.include_router(health.router)
     app.include_router(page.page_router())
@@ -108,7 +123,7 @@ async def _sweep_uploads(services: Services) -> None:
 
 
 def _takes_files(method: str, path: str) -> bool:
-    return path == f"{BASE}/meshes" or (method == "PATCH" and path.startswith(f"{BASE}/uploads/"))
+    return path in (f"{BASE}/meshes", f"{BASE}/cohorts/archive") or (method == "PATCH" and path.startswith(f"{BASE}/uploads/"))
 
 
 def _allowed_hosts(settings: Settings) -> frozenset[str]:

@@ -35,6 +35,13 @@ async def upload_id_of(upload_id: Annotated[str, Path(description="Id of an uplo
     return upload_id
 
 
+async def cohort_id_of(cohort_id: Annotated[str, Path(description="Id of a cohort")]) -> str:
+    """What cannot be an id is not looked for. Raises StateError `cohort.not_found`."""
+    if not _UUID.fullmatch(cohort_id):
+        raise StateError("cohort.not_found", f"there is no cohort {cohort_id[:100]!r}")
+    return cohort_id
+
+
 async def preferences_of(
     request: Request,
     prefer: Annotated[
@@ -52,6 +59,7 @@ def split_commas(sent: Sequence[str] | str) -> list[str]:
 
 
 JobId = Annotated[str, Depends(job_id_of)]
+CohortId = Annotated[str, Depends(cohort_id_of)]
 MeshId = Annotated[str, Depends(mesh_id_of)]
 UploadId = Annotated[str, Depends(upload_id_of)]
 PreferencesDep = Annotated[Preferences, Depends(preferences_of)]

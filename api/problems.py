@@ -33,6 +33,7 @@ STATUS_BY_CODE: dict[str, int] = {
     "access.key_missing": HTTPStatus.UNAUTHORIZED,
     "access.scope_missing": HTTPStatus.FORBIDDEN,
     "blobs.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
+    "cohort.not_found": HTTPStatus.NOT_FOUND,
     "database.unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "format.unknown": HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
     "idempotency.key_invalid": HTTPStatus.BAD_REQUEST,

@@ -23,6 +23,7 @@ from store.backlog import Backlog
 from store.blobs import Blobs
 from store.callbacks import Callbacks
 from store.checkpointer import Checkpointer
+from store.cohorts import Cohorts
 from store.database import Database
 from store.disk_floor import DiskFloor
 from store.doorbell import Doorbell
@@ -45,7 +46,7 @@ from store.uploads import Uploads
 from store.workers import Workers
 
 CONCURRENT_INTAKES = 2  # each may use intake_memory_bytes
-INTAKE_MODULES = ("core.processes.intake", "core.processes.export")
+INTAKE_MODULES = ("core.processes.intake", "core.processes.export", "core.processes.unpack")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,7 @@ class Services:
     mesh_inputs: MeshInputs
     uploads: Uploads
     jobs: Jobs
+    cohorts: Cohorts
     callbacks: Callbacks
     parked: Parked
     receivers: Receivers
@@ -114,6 +116,7 @@ def make_services(settings: Settings) -> Services:
         mesh_inputs=MeshInputs(db, blobs),
         uploads=Uploads(db, settings.upload_hours, quotas),
         jobs=jobs,
+        cohorts=Cohorts(db, jobs),
         callbacks=Callbacks(db),
         parked=Parked(db),
         receivers=Receivers(settings.callback_allow),

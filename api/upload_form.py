@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, BinaryIO
 
 from python_multipart import MultipartParser
@@ -38,8 +40,10 @@ class ReceivedFile:
     fields: dict[str, str]
 
 
-async def receive_file(request: Request, path: Path, limit_bytes: int) -> ReceivedFile:
-    """Write the part `file` of a multipart body to `path`.
+async def receive_file(
+    request: Request, path: Path, limit_bytes: int, more_fields: Mapping[str, int] = MappingProxyType({})
+) -> ReceivedFile:
+    """Write the part `file` of a multipart body to `path`. more_fields: name -> longest, beside unit and name.
 
     Raises LimitError `upload.too_large`, InputError `request.media_type`, `request.malformed`, `upload.field_unknown`,
     `upload.file_missing`, `upload.interrupted`, LimitError `storage.full`."""
@@ -55,7 +59,7 @@ async def receive_file(request: Request, path: Path, limit_bytes: int) -> Receiv
         raise _too_large(limit_bytes, f"the request has {declared[:18]}")
     try:
         with path.open("xb") as target:
-            form = _Form(target, limit_bytes)
+            form = _Form(target, limit_bytes, {**dict.fromkeys(_FIELDS, MAX_FIELD_BYTES), **more_fields})
             parser = MultipartParser(options.get(b"boundary", b""), form.callbacks())
             async for piece in body.pieces():
                 await run_in_threadpool(parser.write, piece)
@@ -83,6 +87,7 @@ class _Form:
 
     target: BinaryIO
     limit_bytes: int
+    known: Mapping[str, int]
     size: int = 0
     digest: hashlib._Hash = field(default_factory=hashlib.sha256)
     file_name: str | None = None
@@ -130,8 +135,9 @@ class _Form:
     def _start_part(self) -> None:
         _, options = parse_options_header(self._disposition)
         self._part = _decoded(options.get(b"name", b""))
-        if self._part not in (_FILE, *_FIELDS):
-            raise InputError("upload.field_unknown", f"The form has a part '{self._part[:100]}'; known are file, unit, name")
+        if self._part not in (_FILE, *self.known):
+            known = ", ".join((_FILE, *self.known))
+            raise InputError("upload.field_unknown", f"The form has a part '{self._part[:100]}'; known are {known}")
         if self._part in self.fields or (self._part == _FILE and self.file_name is not None):
             raise InputError("upload.field_unknown", f"The form has two parts '{self._part}'; send one mesh per upload")
         if self._part == _FILE:
@@ -149,8 +155,8 @@ class _Form:
             self.target.write(piece)
             return
         self._text += data[start:end]
-        if len(self._text) > MAX_FIELD_BYTES:
-            raise InputError("upload.field_too_long", f"The field '{self._part}' has more than {MAX_FIELD_BYTES} bytes")
+        if len(self._text) > self.known[self._part]:
+            raise InputError("upload.field_too_long", f"The field '{self._part}' has more than {self.known[self._part]} bytes")
 
     def _end_part(self) -> None:
         if self._part != _FILE:

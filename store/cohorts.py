@@ -109,6 +109,15 @@ class Cohorts:
         with self._db.reading() as session:
             return _snapshot(session, _owned(session, workspace, cohort_id))
 
+    def summary(self, cohort: Cohort) -> Job | None:
+        """The job that makes the summary; None if there is none yet, or it was removed."""
+        if cohort.summary_job_id is None:
+            return None
+        try:
+            return self._jobs.get(cohort.workspace, cohort.summary_job_id)
+        except StateError:
+            return None
+
     def list(self, workspace: WorkspaceId, *, limit: int = 50, cursor: str | None = None) -> Page[Cohort]:
         """Newest first. Raises InputError `cursor.invalid`."""
         newest_first = (CohortRow.created_at.desc(), CohortRow.id.desc())

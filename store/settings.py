@@ -138,6 +138,7 @@ class Settings(BaseSettings):
         ByteSize(0), ge=0, description="Bytes one workspace may store, uploads and results; 0: no limit"
     )
     quota_jobs: int = Field(1000, ge=0, description="Jobs of one workspace that may wait and run at a time; 0: no limit")
+    cohort_subjects: int = Field(500, ge=1, le=10_000, description="Subjects one cohort may have; every one is a job of its own")
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = Field(
         (), description="Host names requests may carry besides loopback ones, separated by commas; `*` for any"
     )

@@ -40,12 +40,14 @@ StatusFilter = Annotated[
 ]
 
 LabelFilter = Annotated[
-    tuple[Annotated[str, Field(max_length=64)], ...],
+    tuple[Annotated[str, Field(pattern=r"^[^\x00]{1,64}$")], ...],
     Query(
         max_length=LABELS_AT_MOST,
         description="Only jobs with this label; repeat the parameter for several, all of which it must have",
     ),
 ]
+
+CohortFilter = Annotated[str | None, Query(pattern=r"^[0-9a-f-]{1,36}$", description="Only jobs of this cohort")]
 
 
 @router.get("", operation_id="listJobs", response_model_exclude_none=True, responses=problems(422))
@@ -58,13 +60,15 @@ def get_jobs(
     process_id: ProcessFilter = (),
     label: LabelFilter = (),
     q: TextFilter = "",
+    cohort: CohortFilter = None,
     limit: PageLimit = 50,
     cursor: Cursor = None,
 ) -> JobList:
     """The jobs of the workspace, newest first."""
-    page = services.jobs.list(workspace, JobSearch(status, process_id, label, q), limit=limit, cursor=cursor)
+    page = services.jobs.list(workspace, JobSearch(status, process_id, label, q, cohort), limit=limit, cursor=cursor)
     query = [("status", one) for one in status] + [("processID", one) for one in process_id]
-    query += [("label", one) for one in label] + [("q", q)] * bool(q) + [("limit", str(limit))]
+    query += [("label", one) for one in label] + [("q", q)] * bool(q) + [("cohort", str(cohort))] * bool(cohort)
+    query += [("limit", str(limit))]
     jobs = list_jobs(request, page, query)
     add_next_link(response, jobs.links)
     return jobs

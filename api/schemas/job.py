@@ -35,6 +35,8 @@ class StatusInfo(Document):
     process_id: str = Field(alias="processID")
     name: str | None = Field(None, description="What people call the job")
     labels: tuple[str, ...] = Field((), description="To find it by")
+    cohort_id: str | None = Field(None, alias="cohortID", description="The cohort it belongs to")
+    subject: str | None = Field(None, description="Which subject of that cohort it works on")
     status: JobStatus
     message: str = Field(description="What is being done, or how it ended, for people")
     progress: int = Field(ge=0, le=100, description="Percent of the whole job")

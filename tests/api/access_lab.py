@@ -15,7 +15,11 @@ import httpx
 from sqlalchemy import update
 
 from api.app import create_app
+from core.errors import InputError
+from core.schema.expectation import UNKNOWN
 from store.api_keys import ApiKeys
+from store.cohorts import NewCohort, NewSubject
+from store.job import JobFailure
 from store.key_text import make_key_text
 from store.records import ApiKeyRow
 from store.scope import Scope
@@ -40,6 +44,7 @@ class Lab:
     job: str
     waiting: str
     upload: str
+    cohort: str
     workspace: WorkspaceId
 
     def ask(self, method: str, path: str, role: str, **more: object) -> httpx.Response:
@@ -70,9 +75,16 @@ def routes() -> list[tuple[str, str]]:
 ROUTES = routes()
 
 
-def concrete(path: str, mesh: str = MISSING, job: str = MISSING, upload: str = MISSING) -> str:
+def concrete(path: str, mesh: str = MISSING, job: str = MISSING, upload: str = MISSING, cohort: str = MISSING) -> str:
     """The path with its parameters filled in."""
-    values = {"mesh_id": mesh, "job_id": job, "upload_id": upload, "output": "report", "process_id": "validate"}
+    values = {
+        "mesh_id": mesh,
+        "job_id": job,
+        "upload_id": upload,
+        "cohort_id": cohort,
+        "output": "report",
+        "process_id": "validate",
+    }
     return re.sub(r"\{(\w+)\}", lambda match: values[match[1]], path)
 
 
@@ -93,11 +105,21 @@ def open_lab(settings: Settings) -> Iterator[Lab]:
             session.execute(update(ApiKeyRow).where(ApiKeyRow.id == expired.key.id).values(expires_at=past))
         text |= {"nothing": "", "unknown": make_key_text().text, "mistyped": text["owner"][:-1] + "?"}
         text |= {"revoked": revoked.text, "expired": expired.text}
-        made = Lab(live, text, "", "", "", "", a)
+        made = Lab(live, text, "", "", "", "", "", a)
         sent = made.ask("POST", "/v1/meshes", "owner", files={"file": ("skin.stl", binary_stl())})
         assert sent.status_code == 201, sent.text
         upload = made.ask("POST", "/v1/uploads", "owner")
         assert upload.status_code == 201, upload.text
         job = live.successful(workspace=a)
         waiting = live.services.jobs.create(a, "validate", {})
-        yield Lab(live, text, str(sent.json()["id"]), job.id, waiting.id, str(upload.json()["id"]), a)
+        yield Lab(live, text, str(sent.json()["id"]), job.id, waiting.id, str(upload.json()["id"]), new_cohort(live, a), a)
+
+
+def new_cohort(live: Live, workspace: WorkspaceId) -> str:
+    """One whose only job has failed, so that everything but its summary can be asked of it."""
+    subject = NewSubject("a", {}, (), UNKNOWN)
+    cohort, [job] = live.services.cohorts.create(workspace, NewCohort("validate", {}, [subject]))
+    taken = live.services.jobs.claim(job.id, 1, "tests", 60.0)
+    assert taken is not None
+    live.services.jobs.fail(job.id, taken.lease_token, JobFailure.of(InputError("skin.not_closed", "open")))
+    return cohort.id

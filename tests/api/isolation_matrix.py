@@ -13,7 +13,7 @@ from sqlalchemy import Connection, event
 
 from api.needed_scope import needed_scope
 from store.settings import Settings
-from tests.api.access_lab import MISSING, ROUTES, SCOPED, Lab, concrete, open_lab
+from tests.api.access_lab import MISSING, ROUTES, SCOPED, Lab, concrete, new_cohort, open_lab
 from tests.core.io.stl_bytes import binary_stl
 
 PAGE = Path(__file__).parents[2] / "docs" / "isolation.md"
@@ -60,7 +60,7 @@ def row(lab: Lab, method: str, path: str) -> str:
     cells = [f"`{method} {path}`", need.value if need else "nothing", *own]
     if "_id}" in path and "process_id" not in path:
         for _ in range(TRIES):
-            foreign = ask(lab, method, concrete(path, lab.mesh, lab.job, lab.upload), "stranger")
+            foreign = ask(lab, method, concrete(path, lab.mesh, lab.job, lab.upload, lab.cohort), "stranger")
             absent = ask(lab, method, concrete(path), "stranger")
             if foreign == absent:
                 break
@@ -72,11 +72,13 @@ def row(lab: Lab, method: str, path: str) -> str:
 
 def own_path(lab: Lab, path: str) -> str:
     """With things of their own for every request: some requests end them."""
-    made = {"mesh": lab.mesh, "job": lab.job, "upload": lab.upload}
+    made = {"mesh": lab.mesh, "job": lab.job, "upload": lab.upload, "cohort": lab.cohort}
     if "{mesh_id}" in path:
         made["mesh"] = lab.ask("POST", "/v1/meshes", "owner", files={"file": ("skin.stl", binary_stl())}).json()["id"]
     if "{upload_id}" in path:
         made["upload"] = lab.ask("POST", "/v1/uploads", "owner").json()["id"]
+    if "{cohort_id}" in path:
+        made["cohort"] = new_cohort(lab.live, lab.workspace)
     if "{job_id}" in path:
         made["job"] = lab.live.successful(workspace=lab.workspace).id
     return concrete(path, **made)
@@ -87,7 +89,7 @@ def ask(lab: Lab, method: str, path: str, role: str) -> Answer:
     with statements_of(lab) as statements:
         response = lab.ask(method, path, role)
     told = response.text if "event-stream" not in response.headers.get("content-type", "") else ""
-    for known in (lab.mesh, lab.job, lab.upload, response.headers["x-request-id"]):
+    for known in (lab.mesh, lab.job, lab.upload, lab.cohort, response.headers["x-request-id"]):
         told = told.replace(known, MISSING)
     changing = {"x-request-id", "date", "ratelimit"}
     headers = tuple(sorted((name, value) for name, value in response.headers.items() if name not in changing))

@@ -94,15 +94,15 @@ def test_what_is_foreign_is_as_if_it_were_not_there(lab: Lab, method: str, path:
         lab.ask("GET", "/v1", "stranger")
     event.listen(engine, "before_cursor_execute", note)
     try:
-        for mesh, job, upload in (
-            (lab.mesh, lab.job, lab.upload),
-            (MISSING, MISSING, MISSING),
-            (lab.mesh, lab.waiting, lab.upload),
+        for mesh, job, upload, cohort in (
+            (lab.mesh, lab.job, lab.upload, lab.cohort),
+            (MISSING, MISSING, MISSING, MISSING),
+            (lab.mesh, lab.waiting, lab.upload, lab.cohort),
         ):
             statements.append([])
-            response = lab.ask(method, concrete(path, mesh, job, upload), "stranger")
+            response = lab.ask(method, concrete(path, mesh, job, upload, cohort), "stranger")
             told = response.text
-            for known in (lab.mesh, lab.job, lab.waiting, lab.upload, response.headers["x-request-id"]):
+            for known in (lab.mesh, lab.job, lab.waiting, lab.upload, lab.cohort, response.headers["x-request-id"]):
                 told = told.replace(known, MISSING)
             drop = {"x-request-id", "date", "ratelimit"}  # the last counts all requests
             headers = {name: value for name, value in response.headers.items() if name not in drop}

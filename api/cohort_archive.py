@@ -1,0 +1,84 @@
+"""A cohort out of one archive: its settings come in the form, its subjects are the files."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+from pydantic import ValidationError
+
+from api.archive import TakenArchive, take_archive
+from api.cohort_documents import COHORTS
+from api.cohort_request import accept_cohort, find_cohort, put_together, read_cohort, validated
+from api.idempotency import Once, fingerprint_of
+from api.intake import require_unit
+from api.links import mesh_path
+from api.process_documents import find_process
+from api.schemas.cohort import ArchiveSettings, SubjectRequest
+from api.services import Services
+from api.upload_form import ReceivedFile
+from api.violations import ViolationsError
+from core.errors import InputError
+from core.schema.reference import MeshReference
+from store.callback import Subscriber
+from store.cohort import Cohort
+from store.workspace import WorkspaceId
+
+FIELD = "cohort"  # of the form
+FIELD_BYTES = 32 * 1024
+
+
+def read_settings(received: ReceivedFile) -> ArchiveSettings:
+    """Raises InputError `upload.field_missing`, `request.malformed`, ViolationsError `request.invalid`."""
+    if FIELD not in received.fields:
+        raise InputError("upload.field_missing", f"The form has no field '{FIELD}' with the process and its inputs")
+    try:
+        sent = json.loads(received.fields[FIELD])
+    except (ValueError, RecursionError) as error:
+        raise InputError("request.malformed", f"The field '{FIELD}' is no JSON: {error}") from error
+    try:
+        return ArchiveSettings.model_validate(sent)
+    except ValidationError as error:
+        raise ViolationsError("request.invalid", "request.invalid", error, base="", sent=sent) from None
+
+
+def cohort_of_archive(
+    services: Services,
+    workspace: WorkspaceId,
+    received: ReceivedFile,
+    settings: ArchiveSettings,
+    subscriber: Subscriber | None,
+    key: str | None,
+) -> tuple[Cohort, bool]:
+    """The cohort, and whether an earlier request with this key made it. If it is refused, none of its meshes is kept.
+
+    Raises as `take_archive` and `read_cohort`, InputError `cohort.subject_unknown`."""
+    unit = require_unit(received)
+    told = {"file": received.sha256, "unit": unit, FIELD: settings.model_dump(mode="json")}
+    once = Once(services, workspace, key, fingerprint_of("POST", f"{COHORTS}/archive", told))
+
+    def take_in() -> Cohort:
+        [any_subject] = put_together(settings, [SubjectRequest(mesh=_ANY)])
+        if not settings.subjects:  # what is wrong for all is told before hundreds of files are read
+            validated(find_process(settings.process), any_subject)
+        with take_archive(services, workspace, received, unit, received.path.parent) as taken:
+            subjects = put_together(settings, _subjects(settings, taken))
+            new = read_cohort(services, workspace, settings, subjects, refused=taken.refused, subscriber=subscriber)
+            return accept_cohort(services, workspace, new, once)
+
+    return once.answer(take_in, partial(find_cohort, services, workspace))
+
+
+_ANY = MeshReference(href=mesh_path("0" * 8 + "-0000-0000-0000-" + "0" * 12))
+
+
+def _subjects(settings: ArchiveSettings, taken: TakenArchive) -> list[SubjectRequest]:
+    own = {one.name: one.inputs for one in settings.subjects}
+    names = {name for name, _ in taken.meshes} | {one.subject for one in taken.refused}
+    for name in own:
+        if name not in names:
+            raise InputError("cohort.subject_unknown", f"The archive has no mesh called '{name}'", name=name)
+    return [
+        SubjectRequest(name=name, mesh=MeshReference(href=mesh_path(record.id)), inputs=own.get(name, {}))
+        for name, record in taken.meshes
+    ]
