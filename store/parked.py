@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -33,7 +33,7 @@ class ParkedRequest:
 
 def require_not_parked(session: Session, workspace: WorkspaceId, fingerprint: str | None) -> None:
     """Raises StateError `job.parked` with the job that has the evidence."""
-    row = None if fingerprint is None else session.get(ParkedRow, (workspace, fingerprint))
+    row = session.scalars(_PARKED, {"workspace": workspace, "fingerprint": fingerprint}).one_or_none()
     if row is not None:
         raise StateError(
             "job.parked",
@@ -42,6 +42,11 @@ def require_not_parked(session: Session, workspace: WorkspaceId, fingerprint: st
             job=row.job_id,
             attempts=len(row.evidence),
         )
+
+
+_PARKED = select(ParkedRow).where(
+    ParkedRow.workspace == bindparam("workspace"), ParkedRow.fingerprint == bindparam("fingerprint")
+)
 
 
 class Parked:
