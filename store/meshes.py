@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from sqlalchemy import bindparam, func, select, tuple_
+from sqlalchemy import bindparam, func, or_, select, tuple_
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -128,7 +128,8 @@ class Meshes:
         query = select(MeshRow).where(MeshRow.workspace == workspace).order_by(*newest_first).limit(limit + 1)
         for word in text.split()[:WORDS_AT_MOST]:
             told = func.lower(MeshRow.name + " " + MeshRow.file_name + " " + MeshRow.id)
-            query = query.where(told.contains(word.lower(), autoescape=True))
+            shown = "".join(letter for letter in word if letter.isprintable())  # PostgreSQL takes no zero byte
+            query = query.where(or_(*(told.contains(form, autoescape=True) for form in (shown, shown.lower()))))
         if cursor is not None:
             query = query.where(tuple_(MeshRow.created_at, MeshRow.id) < from_cursor(cursor))
         with self._db.reading() as session:

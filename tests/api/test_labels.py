@@ -71,6 +71,13 @@ def test_words_that_cannot_be_shown_or_are_too_many_are_refused(
     problem_of(api.client.patch(f"/v1/jobs/{job.id}", json=words), 422, "request.invalid")
 
 
+def test_no_byte_of_a_search_harms(api: Live) -> None:
+    for name in ("q", "label", "cohort"):
+        told = api.client.get("/v1/jobs", params={name: "a\x00%"})
+        assert told.status_code == (200 if name == "q" else 422)
+    assert api.client.get("/v1/meshes", params={"q": "a\x00 \x00"}).status_code == 200
+
+
 def test_the_same_key_with_other_labels_is_another_request(api: Live, mesh_href: str) -> None:
     headers = {"Idempotency-Key": "labels-1"}
     body = {"inputs": {"meshes": {"href": mesh_href}}}
