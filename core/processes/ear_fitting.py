@@ -60,13 +60,19 @@ class FittedEars:
         return (*self.ears, *self.walls)
 
 
-def fit_ears(inputs: EarsInputs, skin: Mesh, solids: Sequence[NamedInput], run: RunContext) -> FittedEars:
-    """Needs: a skin that `require_fit_skin` accepts, exact in float32. Raises: InputError `ears.*`, `canal.*`; InternalError
-    `canal.seam_not_proven`."""
+def fit_ears(
+    inputs: EarsInputs, skin: Mesh, solids: Sequence[NamedInput], run: RunContext, seen_on: Mesh | None = None
+) -> FittedEars:
+    """Ears and canals of a skin that `require_fit_skin` accepts, exact in float32.
+
+    seen_on: the same skin as it was before it was thinned out, to find ears on: the pinna is the first that coarse faces blur.
+    Raises: InputError `ears.*`, `canal.*`; InternalError `canal.seam_not_proven`.
+    """
+    detailed = skin if seen_on is None else seen_on
     look = run.stage("ears", 0.0, 0.2)
-    ears = _ear_regions(inputs, skin)
+    ears = _ear_regions(inputs, detailed)
     look.advance(1.0, "; ".join(_box_words(ear) for ear in ears))
-    canals = _canals(inputs, skin, find_body_frame(skin), solids)
+    canals = _canals(inputs, detailed, find_body_frame(detailed), solids)
     cut = _with_canals(skin, canals, run.stage("canals", 0.2, 1.0))
     return FittedEars(cut, ears, _wall_regions(cut, list(canals), ears), tuple(canals))
 

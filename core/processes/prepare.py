@@ -15,6 +15,7 @@ from core.processes.preparation.delivery import Prepared, as_tissues, deliver, l
 from core.processes.preparation.ears_step import fit_ears_of
 from core.processes.preparation.layers_step import make_layers_of
 from core.processes.preparation.proof_step import prove_surfaces
+from core.processes.preparation.separate_step import separate_tissues
 from core.processes.preparation.skin_steps import SKIN, decimate_skin, heal_skin
 from core.processes.preparation.step_log import BEGIN, StepLog
 from core.processes.preparation.tetrahedra_step import fill_all
@@ -59,13 +60,15 @@ def _prepare(
     log.surfaces = {SKIN: source.mesh}
     if inputs.heal is None:
         require_fit_skin(source.mesh, SKIN)
-    skin = decimate_skin(inputs, heal_skin(inputs, source.mesh, log), log)
-    inner_meshes = check_tissues(inner, skin, log)
-    ears = fit_ears_of(inputs, skin, solids, log)
+    healed = heal_skin(inputs, source.mesh, log)
+    skin = decimate_skin(inputs, healed, log)
+    inner_meshes = check_tissues(inputs, inner, skin, log)
+    ears = fit_ears_of(inputs, skin, healed, solids, log)
     if ears is not None:
         skin = ears.skin.mesh
         parameters["regions"] = [region.model_dump(mode="json") for region in (*ears.regions, *inputs.regions)]
     layers = make_layers_of(inputs, source, skin, ears, log)
+    inner_meshes = separate_tissues(inputs, layers.surfaces(), inner_meshes, log)
     delivered, validation = prove_surfaces(inputs, layers.surfaces(), inner_meshes, log, out_dir)
     tissues = as_tissues(inputs, layers, inner_meshes, validation)
     volume, regions = fill_all(inputs, tissues, validation, log)

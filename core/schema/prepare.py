@@ -11,6 +11,7 @@ from core.schema.ears import DEFAULT_LAYERS, THESIS_DEPTHS_MM, CanalShape, EarRe
 from core.schema.heal import HealInputs, HealParameters
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
+from core.schema.separate import Priority, SeparateInputs
 from core.schema.shells import (
     DepthMm,
     Layer,
@@ -39,6 +40,18 @@ class InnerTissue(FrozenModel):
     inside: MeshName | None = Field(
         None, description="Layer or tissue that must be the next one around it, or the job is refused. Default: whichever it is"
     )
+
+
+class TissueGaps(FrozenModel):
+    """How inner tissues that touch or cross are set apart. Layers stay as they are."""
+
+    gap_mm: float = Field(
+        0.1, gt=0, le=10, description="Gap to open between every two tissues and to the innermost layer; at least `min_gap_mm`"
+    )
+    priority: Annotated[dict[MeshName, Priority], Field(max_length=48)] = Field(
+        {}, description="Of two tissues, the one with the higher number stays while the other has room; 0 if not named"
+    )
+    max_shift_mm: float = Field(5.0, gt=0, le=100, description="No vertex goes farther from where it was")
 
 
 class PrepareInputs(FrozenModel):
@@ -75,6 +88,9 @@ class PrepareInputs(FrozenModel):
     tissues: Annotated[tuple[InnerTissue, ...], Field(max_length=48)] = Field(
         (), description="Closed surfaces inside the innermost layer, in any order, nested or side by side"
     )
+    separate: TissueGaps | None = Field(
+        TissueGaps(), description="Move tissues that touch or cross apart, as little as possible. null: they are refused"
+    )
     tetrahedra: TetrahedraParameters | None = Field(
         TetrahedraParameters(), description="Fill all tissues with tetrahedra, a region each. null: surfaces only"
     )
@@ -96,6 +112,9 @@ class PrepareInputs(FrozenModel):
         for tissue in self.tissues:
             if tissue.inside is not None and (tissue.inside not in names or tissue.inside == tissue.name):
                 raise ValueError(f"tissue '{tissue.name}' is to be inside '{tissue.inside}'; there are {', '.join(names)}")
+        inner = {tissue.name for tissue in self.tissues}
+        if self.separate is not None and set(self.separate.priority) - inner:
+            raise ValueError(f"priority names {sorted(set(self.separate.priority) - inner)}, the tissues are {sorted(inner)}")
         return self
 
     def as_heal(self) -> HealInputs:
@@ -122,6 +141,19 @@ class PrepareInputs(FrozenModel):
             thin_policy=self.thin_policy,
             min_gap_mm=self.min_gap_mm,
             skin_shift_mm=self.skin_shift_mm,
+        )
+
+    def as_separate(self, innermost: str) -> SeparateInputs:
+        """The request of the step, for tissues inside the layer of that name; there are tissues, and `separate` is not null."""
+        asked = TissueGaps() if self.separate is None else self.separate
+        names = {innermost, *(tissue.name for tissue in self.tissues)}
+        return SeparateInputs(
+            meshes={innermost: self.skin, **{tissue.name: tissue.mesh for tissue in self.tissues}},
+            min_gap_mm=max(asked.gap_mm, self.min_gap_mm),
+            fixed=(innermost,),
+            priority=asked.priority,
+            inside={tissue.name: tissue.inside for tissue in self.tissues if tissue.inside in names},
+            max_shift_mm=asked.max_shift_mm,
         )
 
     def as_shells(self, ears: tuple[Region, ...]) -> ShellsInputs:

@@ -15,15 +15,20 @@ from core.schema.prepare import PrepareInputs
 from core.schema.report import StepReport
 
 
-def fit_ears_of(inputs: PrepareInputs, skin: Mesh, solids: Sequence[NamedInput], log: StepLog) -> FittedEars | None:
-    """None if nobody asked for ears. Raises: InputError `ears.*`, `canal.*`; InternalError `canal.seam_not_proven`."""
+def fit_ears_of(
+    inputs: PrepareInputs, skin: Mesh, seen_on: Mesh, solids: Sequence[NamedInput], log: StepLog
+) -> FittedEars | None:
+    """None if nobody asked for ears; seen_on: the skin before it was thinned out.
+
+    Raises: InputError `ears.*`, `canal.*`; InternalError `canal.seam_not_proven`.
+    """
     if inputs.ears is None:
         log.leave_out("ears", "not asked for")
         return None
     asked = inputs.as_ears()
     named = [(solid.name, solid.mesh) for solid in solids]
     decisive = asked.model_dump(mode="json", exclude={"skin", "canals"})
-    fitted = log.take("ears", lambda run: fit_ears(asked, skin, solids, run), skin, named, decisive)
+    fitted = log.take("ears", lambda run: fit_ears(asked, skin, solids, run, seen_on), skin, seen_on, named, decisive)
     frame = find_body_frame(skin)
     names = ", ".join(region.name for region in fitted.ears)
     cut = (

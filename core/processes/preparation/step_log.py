@@ -25,7 +25,8 @@ STEPS: Mapping[str, tuple[str, float]] = {  # name -> title, end on the progress
     "tissues": ("Inner tissues checked", 0.18),
     "ears": ("Ears found and canals cut", 0.24),
     "layers": ("Layers made", 0.5),
-    "validate": ("Proof on the files", 0.62),
+    "separate": ("Inner tissues set apart", 0.58),
+    "validate": ("Proof on the files", 0.66),
     "tetrahedra": ("Tetrahedra filled in", 0.8),
     "package": ("Report and package", 1.0),
 }

@@ -15,12 +15,15 @@ from core.processes.named_input import NamedInput
 from core.processes.preparation.step_log import STEPS, StepLog
 from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
+from core.schema.prepare import PrepareInputs
 from core.schema.report import StepReport
 from core.validation.places import point_of
 from core.validation.requirements import require_outward_surface
 
+MOVABLE_SHARE = 0.25  # of the vertices of a tissue may lie outside the skin if it is to be moved; more is a wrong place or unit
 
-def check_tissues(tissues: Mapping[str, NamedInput], skin: Mesh, log: StepLog) -> dict[str, Mesh]:
+
+def check_tissues(inputs: PrepareInputs, tissues: Mapping[str, NamedInput], skin: Mesh, log: StepLog) -> dict[str, Mesh]:
     """The surfaces by name, exact in float32.
 
     Raises: InputError `surface.*` about one of them, `tissues.outside_skin` with places.
@@ -29,20 +32,21 @@ def check_tissues(tissues: Mapping[str, NamedInput], skin: Mesh, log: StepLog) -
         log.leave_out("tissues", "there are none")
         return {}
     meshes = {name: tissue.mesh.rounded_to_float32() for name, tissue in tissues.items()}
+    allowed = 0.0 if inputs.separate is None else MOVABLE_SHARE
 
     def work(run: RunContext) -> int:
         for number, (name, mesh) in enumerate(meshes.items()):
             require_outward_surface(mesh, name)
             run.advance((number + 1) / (len(meshes) + 1), f"{name}: {len(mesh.faces)} faces, closed")
-        _require_inside(meshes, skin)
+        _require_inside(meshes, skin, allowed)
         return sum(len(mesh.faces) for mesh in meshes.values())
 
-    faces = log.take("tissues", work, meshes, skin)
+    faces = log.take("tissues", work, meshes, skin, allowed)
     log.tell(
         StepReport(
             name="tissues",
             title=STEPS["tissues"][0],
-            summary=f"{len(meshes)} inner surfaces are closed, look outwards and lie inside the skin: {', '.join(meshes)}.",
+            summary=f"{len(meshes)} inner surfaces are closed, look outwards and belong inside the skin: {', '.join(meshes)}.",
             numbers={"surfaces": len(meshes), "faces of all": faces},
             changes=_shifts(tissues, meshes),
         )
@@ -50,13 +54,14 @@ def check_tissues(tissues: Mapping[str, NamedInput], skin: Mesh, log: StepLog) -
     return meshes
 
 
-def _require_inside(meshes: Mapping[str, Mesh], skin: Mesh) -> None:
+def _require_inside(meshes: Mapping[str, Mesh], skin: Mesh, allowed: float) -> None:
+    """allowed: share of a tissue's vertices that may lie outside."""
     tree = FaceTree.of(skin.vertices, skin.faces)
     findings = []
     for name, mesh in meshes.items():
         outside = np.flatnonzero(~is_inside(tree, mesh.vertices))
-        if len(outside):
-            share = len(outside) / len(mesh.vertices)
+        share = len(outside) / len(mesh.vertices)
+        if share > allowed:
             findings.append(
                 Finding(
                     code="tissues.outside_skin",

@@ -17,7 +17,7 @@ ROOM = 10**9
 SKIN = without_faces(sphere(50.0, 4), [3])
 TIP = {"name": "tip", "box_mm": {"min": [35, -20, -20], "max": [65, 20, 20]}}
 CANAL = sphere(4.0, 3, at=(50.0, 0.0, 0.0))
-BRAIN, WHITE, EYE = sphere(20.0, 3), sphere(10.0, 3), sphere(8.0, 2, at=(0.0, 0.0, 32.0))
+BRAIN, WHITE, EYE = sphere(20.0, 3), sphere(10.0, 3), sphere(8.0, 3, at=(0.0, 0.0, 27.9))  # it crosses the brain
 
 
 class Attempt:

@@ -27,7 +27,7 @@ ASKED: dict[str, Any] = {
     "decimate": {"target_ratio": 0.8},
     "said": {"white": {"inside": "brain"}, "eye": {"conductivity_s_per_m": 1.5}},
 }
-STEPS = ["heal", "decimate", "tissues", "ears", "layers", "validate", "tetrahedra"]
+STEPS = ["heal", "decimate", "tissues", "ears", "layers", "separate", "validate", "tetrahedra"]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,9 @@ def test_the_model_is_ready_and_exactly_clean(done: dict[str, Any], report: Repo
     assert report.nesting["eye"] == report.nesting["brain"] == "average_body"
     conductivity = {tissue.name: tissue.conductivity_s_per_m for tissue in package.manifest.tissues}
     assert conductivity["eye"] == 1.5
-    assert min(pair.min_gap_mm for pair in report.pairs if pair.min_gap_mm is not None) >= 0.05
+    gaps = {frozenset((pair.a, pair.b)): pair.min_gap_mm for pair in report.pairs}
+    assert min(gap for gap in gaps.values() if gap is not None) >= 0.05
+    assert 0.1 <= (gaps[frozenset(("brain", "eye"))] or 0.0) < 0.15  # they crossed
 
 
 def test_every_tissue_is_a_region_of_the_tetrahedra(done: dict[str, Any], report: Report) -> None:
@@ -74,6 +76,7 @@ def test_every_tissue_is_a_region_of_the_tetrahedra(done: dict[str, Any], report
 def test_the_report_has_a_section_per_step(done: dict[str, Any], report: Report) -> None:
     assert [step.name for step in report.steps] == STEPS
     assert {step.outcome for step in report.steps} == {"done"}
+    assert report.steps[5].numbers["tissues moved"] == 2
     heal = report.steps[0]
     assert (heal.numbers["faces before"], heal.numbers["faces after"]) == (2047, 2048)
     assert "holes" in heal.summary
@@ -105,8 +108,7 @@ def test_an_attempt_after_a_crash_does_nothing_twice(first: Attempt, done: dict[
 
 
 def test_a_failing_step_leaves_the_results_before_it(first: Attempt, tmp_path: Path) -> None:
-    crossing = {**MESHES, "eye": sphere(8.0, 2, at=(0.0, 0.0, 22.0))}
-    attempt = Attempt(tmp_path / "cross", crossing, first.kept(), **ASKED)
+    attempt = Attempt(tmp_path / "cross", MESHES, first.kept(), separate=None, **ASKED)
     with pytest.raises(InputError) as caught:
         attempt.run()
     error = caught.value
@@ -118,7 +120,8 @@ def test_a_failing_step_leaves_the_results_before_it(first: Attempt, tmp_path: P
     assert len(find_intersecting_faces(fat.vertices, fat.faces)) == 0
     report = report_in(attempt.out)
     outcomes = {step.name: step.outcome for step in report.steps}
-    assert outcomes == {**dict.fromkeys(STEPS[:5], "done"), "validate": "failed", "tetrahedra": "not_reached"}
+    ended = {"separate": "not_needed", "validate": "failed", "tetrahedra": "not_reached"}
+    assert outcomes == {**dict.fromkeys(STEPS[:5], "done"), **ended}
     record = {step["name"]: step for step in json.loads(left["steps"].read_bytes())["steps"]}
     assert record["layers"]["taken_from_attempt_before"]
     assert record["validate"]["outcome"] == "failed"
@@ -137,13 +140,17 @@ def test_every_step_may_be_left_out(tmp_path: Path) -> None:
 BALL = sphere(50.0, 2)
 REFUSALS: dict[str, tuple[dict[str, Mesh], dict[str, Any]]] = {
     "skin.not_closed": ({"skin": without_faces(BALL, [3])}, {"heal": None}),
-    "tissues.outside_skin": ({"skin": BALL, "organ": sphere(10.0, 2, at=(45.0, 0.0, 0.0))}, {}),
+    "tissues.outside_skin": ({"skin": BALL, "organ": sphere(10.0, 2, at=(60.0, 0.0, 0.0))}, {}),
     "tissues.outside_layers": ({"skin": BALL, "speck": sphere(0.2, 1, at=(0.0, 0.0, 48.4))}, {}),
     "tissues.too_close": (
         {"skin": BALL, "one": sphere(10.0, 2), "other": sphere(10.0, 2, at=(20.02, 0.0, 0.0))},
-        {"min_gap_mm": 0.5},
+        {"min_gap_mm": 0.5, "separate": None},
     ),
-    "tissues.not_nested": ({"skin": BALL, "brain": BRAIN, "white": WHITE}, {"said": {"brain": {"inside": "white"}}}),
+    "tissues.not_nested": (
+        {"skin": BALL, "brain": BRAIN, "white": WHITE},
+        {"said": {"brain": {"inside": "white"}}, "separate": None},
+    ),
+    "separate.not_inside": ({"skin": BALL, "brain": BRAIN, "white": WHITE}, {"said": {"brain": {"inside": "white"}}}),
     "surface.not_closed": ({"skin": BALL, "organ": without_faces(WHITE, [2])}, {}),
     "surface.inside_out": ({"skin": BALL, "organ": flipped(WHITE)}, {}),
     "tetrahedra.unknown_tissue": ({"skin": BALL}, {"tetrahedra": {"max_volume_mm3": {"bone": 1.0}}}),
@@ -175,6 +182,7 @@ LINK = {"href": f"/v1/meshes/{'0' * 36}"}
         ({"tissues": [{"name": "steps", "mesh": LINK}]}, "must differ"),
         ({"layers": [{"name": "msh", "depth_mm": 1}]}, "must differ"),
         ({"tissues": [{"name": "heart", "mesh": LINK, "inside": "chest"}]}, "to be inside 'chest'"),
+        ({"separate": {"priority": {"skin": 1}}}, "priority names"),
         ({"layers": [{"name": "deep", "depth_mm": 3}, {"name": "fat", "depth_mm": 1}]}, "must increase inwards"),
     ],
 )
