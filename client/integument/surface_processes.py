@@ -27,8 +27,8 @@ ZIP_TYPE = "application/zip"
 
 
 class SurfaceProcesses(ABC):
-    """`heal`, `decimate`, `smooth`, `separate`, `tetrahedralize`. All take surfaces, upload what is needed, queue
-    the job and wait.
+    """`heal`, `decimate`, `smooth`, `detach`, `segment`, `separate`, `tetrahedralize`. They take surfaces, upload what is needed,
+    queue the job and wait.
 
     Alone a surface gives the output `mesh`; several, or a package, give `package` and each surface under its name.
     Further inputs go by their names in the process description. Raises: as `upload_mesh`, `execute` and `wait`.
@@ -102,6 +102,44 @@ class SurfaceProcesses(ABC):
                 {"name": name, "box_mm": {"min": list(low), "max": list(high)}} for name, (low, high) in regions.items()
             ]
         return self.wait(self.execute("smooth", {**asked, **self._surfaces(surfaces, unit)}), on_event)
+
+    def detach(
+        self,
+        skin: MeshInput,
+        regions: Mapping[str, tuple[Point, Point] | tuple[Point, Point, int]],
+        *,
+        gap_mm: float = 1.0,
+        pieces: int = 1,
+        unit: Unit = "mm",
+        on_event: OnEvent | None = None,
+        **inputs: Any,
+    ) -> Job:
+        """Set parts of a skin apart where they touch: output `skin`.
+
+        regions: name -> lowest and highest corner of a box in mm around both parts and their contact, and the number of contacts
+        in it if it is not one. pieces: how many there are in the end.
+        """
+        boxes = [
+            {"name": name, "box_mm": {"min": list(box[0]), "max": list(box[1])}, "contacts": box[2] if len(box) > 2 else 1}
+            for name, box in regions.items()
+        ]
+        asked = {"regions": boxes, "gap_mm": gap_mm, "pieces": pieces, **inputs}
+        return self.wait(self.execute("detach", {**asked, "skin": self._reference(skin, unit)}), on_event)
+
+    def segment(
+        self,
+        volume: MeshInput,
+        *,
+        names: Mapping[int, str] | None = None,
+        on_event: OnEvent | None = None,
+        **inputs: Any,
+    ) -> Job:
+        """Closed surfaces of the labels of a volume (NIfTI): outputs `package`, and each surface under its name.
+
+        names: label -> name of its surface, labels of one name become one; none: all labels, as label_<number>.
+        """
+        asked = {"names": {str(label): name for label, name in (names or {}).items()}, **inputs}
+        return self.wait(self.execute("segment", {**asked, "volume": self._reference(volume, "mm")}), on_event)
 
     def separate(
         self,

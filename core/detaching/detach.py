@@ -32,15 +32,17 @@ VOXEL_AREA = 1.5  # faces of cubes a surface shows, over its area, on average ov
 class OpenedContact:
     """What became of one contact. point_mm: deepest place of it. depth_mm: there; part_depth_mm: of the thinner part.
 
-    area_mm2: of the contact. end_mm: length of the slit's end inside of the body, 0 if it comes out everywhere.
-    gap_mm, mean_gap_mm: between the new surfaces. volume_mm3: that the body lost. faces_removed, faces_added: of the skin.
-    genus_before, genus_after: handles of the skin."""
+    area_mm2, middle_mm, normal: of the contact, the normal towards the thinner part. end_mm: length of the slit's end inside
+    of the body, 0 if it comes out everywhere. gap_mm, mean_gap_mm: between the new surfaces. volume_mm3: that the body lost.
+    faces_removed, faces_added: of the skin. genus_before, genus_after: handles of the skin."""
 
     region: str
     point_mm: tuple[float, float, float]
     depth_mm: float
     part_depth_mm: float
     area_mm2: float
+    middle_mm: tuple[float, float, float]
+    normal: tuple[float, float, float]
     end_mm: float
     gap_mm: float
     mean_gap_mm: float
@@ -150,6 +152,8 @@ def _account(before: Mesh, made: Opening, contact: Contact, region: ContactRegio
         contact.core.pass_mm,
         contact.core.depth_mm,
         made.area_mm2,
+        made.middle_mm,
+        made.normal,
         made.end_mm,
         made.gap_mm,
         made.mean_gap_mm,

@@ -16,7 +16,7 @@ from core.geometry.components import face_components
 from core.geometry.cut_surface import SKIN, CutSurface
 from core.geometry.distance import closest_points_in
 from core.geometry.face_tree import FaceTree
-from core.geometry.normals import face_areas
+from core.geometry.normals import face_areas, face_crosses
 from core.geometry.seams import remesh_around_seams
 from core.geometry.volume import signed_volumes
 from core.mesh import Faces, Mesh
@@ -24,6 +24,7 @@ from core.mesh import Faces, Mesh
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
+Point = tuple[float, float, float]
 
 SPARE = 1.06  # times the gap asked for: what remeshing may take of it
 END_WIDTHS = 1.5  # so far from its end within the body a slit is as wide as was asked
@@ -37,7 +38,8 @@ class Opening:
     """mesh: the skin with the contact open. piece: (F,) SKIN, or FIRST, SECOND, END for the walls of the slit.
 
     kept: faces, the first ones, that are those before bit for bit. gap_mm, mean_gap_mm: between the two walls.
-    area_mm2: of the sheet within the body. end_mm: length of the slit's end within the body, 0 if it ends in air all around."""
+    area_mm2, middle_mm, normal: of the sheet within the body, the normal towards part 1. end_mm: length of the slit's end
+    within the body, 0 if it ends in air all around."""
 
     mesh: Mesh
     piece: Ints
@@ -45,6 +47,8 @@ class Opening:
     gap_mm: float
     mean_gap_mm: float
     area_mm2: float
+    middle_mm: Point
+    normal: Point
     end_mm: float
 
 
@@ -84,7 +88,8 @@ def _attempt(skin: Mesh, sheet: Sheet, width: float, gap_mm: float, low: Floats,
     if rounded is None:
         return None
     smallest, mean = measure_slit(rounded, remeshed.piece, END_WIDTHS * width)
-    return Opening(rounded, remeshed.piece, remeshed.kept, smallest, mean, _area_within(sheet), _end_length(sheet))
+    area, middle, normal = _within(sheet)
+    return Opening(rounded, remeshed.piece, remeshed.kept, smallest, mean, area, middle, normal, _end_length(sheet))
 
 
 def within(points: Floats, low: Floats, high: Floats) -> Flags:
@@ -118,10 +123,19 @@ def _without_shreds(cut: CutSurface) -> CutSurface:
     return CutSurface(mesh, cut.piece[stays], cut.kept)
 
 
-def _area_within(sheet: Sheet) -> float:
-    """Area of the sheet inside of the body, mm²: each face counts by its corners there."""
+def _within(sheet: Sheet) -> tuple[float, Point, Point]:
+    """Area in mm², middle and unit normal of the sheet inside of the body: each face counts by its corners there."""
     faces: Faces = sheet.faces.astype(np.int32)
-    return float((face_areas(sheet.vertices, faces) * sheet.inside[faces].mean(axis=1)).sum())
+    share = sheet.inside[faces].mean(axis=1)
+    crosses = 0.5 * share[:, None] * face_crosses(sheet.vertices, faces)
+    area = share * face_areas(sheet.vertices, faces)
+    middle = area @ sheet.vertices[faces].mean(axis=1) / area.sum()
+    return float(area.sum()), _point(middle), _point(crosses.sum(axis=0) / np.linalg.norm(crosses.sum(axis=0)))
+
+
+def _point(values: Floats) -> Point:
+    x, y, z = values.tolist()
+    return round(x, 4), round(y, 4), round(z, 4)
 
 
 def _end_length(sheet: Sheet) -> float:

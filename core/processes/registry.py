@@ -10,6 +10,7 @@ from core.errors import IntegumentError, StateError
 from core.processes.checkpoints.kept_steps import KeptSteps
 from core.processes.cohort_summary import run_cohort_summary
 from core.processes.decimate import run_decimate
+from core.processes.detach import run_detach
 from core.processes.ears import run_ears
 from core.processes.failure import failure_outcome
 from core.processes.graft import run_graft
@@ -41,6 +42,7 @@ HANDLERS: dict[str, Handler] = {
     "decimate": run_decimate,
     "smooth": run_smooth,
     "separate": run_separate,
+    "detach": run_detach,
     "tetrahedralize": run_tetrahedralize,
     "prepare": run_prepare,
 }

@@ -61,6 +61,7 @@ _NEEDS: Mapping[str, _Need] = {
     "heal": _Need(200, 540, s=0.5, s_per_face=21e-6),
     "decimate": _Need(300, 590, s=1.0, s_per_face=26e-6),
     "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=130e-6),
+    "detach": _Need(400, 900, s=12.0, s_per_face=30e-6),
     "separate": _Need(400, 850, s=2.0, s_per_face=110e-6),
     "smooth": _Need(400, 850, s=1.5, s_per_face=45e-6),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from core.schema.decimate import DecimateInputs
+from core.schema.detach import DetachInputs
 from core.schema.ears import EarsInputs
 from core.schema.graft import GraftInputs
 from core.schema.heal import HealInputs
@@ -158,6 +159,21 @@ SMOOTH = ProcessDescription(
     names_surfaces=True,
 )
 SEPARATE = ProcessDescription(
+DETACH = ProcessDescription(
+    id="detach",
+    version="1.0.0",
+    title="Set touching parts of a body apart",
+    description="Where parts of a skin are grown together, such as arm and torso or two fingers, the smallest surface between "
+    "them is found in the regions given and a gap opened along it; smooth new skin on both sides, nothing outside of the regions "
+    "changed, proven free of self-intersection in the delivered file.",
+    keywords=("detach", "contact", "arms", "torso", "fingers", "gap"),
+    inputs=DetachInputs,
+    outputs={
+        "skin": OutputDescription(title="Skin", media_type="model/stl", description="The skin with its contacts open, float32"),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+    },
+)
     id="separate",
     version="1.0.0",
     title="Separate tissues",
@@ -217,5 +233,6 @@ PREPARE = ProcessDescription(
     },
 )
 PROCESSES: dict[str, ProcessDescription] = {
-    process.id: process for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, SEPARATE, TETRAHEDRALIZE, PREPARE)
+    process.id: process
+    for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, DETACH, SEPARATE, TETRAHEDRALIZE, PREPARE)
 }

@@ -165,6 +165,8 @@ def test_nobody_there_is_3(skin: str, capsys: pytest.CaptureFixture[str], monkey
         ["graft", "SKIN", "SKIN"],
         ["graft", "SKIN", "/nowhere.stl", "--region", "ear:0,0,0:1,1,1"],
         ["graft", "SKIN", "SKIN", "--region", "ear:0,0,0:1,1"],
+        ["detach", "SKIN"],
+        ["detach", "SKIN", "--region", "arm:0,0,0:1,1,1:many"],
         ["graft", "SKIN", "SKIN", "--region", "ear:0,0,0:1,1,1:fat=1"],
     ],
 )
@@ -207,6 +209,28 @@ def test_graft_sends_two_meshes_and_boxes(state: State, skin: str, tmp_path: Pat
         ],
         "seam_mm": 2.5,
         "max_distance_mm": 4.0,
+    }
+    assert target.read_bytes() == b"stl"
+
+
+def test_detach_sends_boxes_with_the_number_of_contacts(state: State, skin: str, tmp_path: Path) -> None:
+    end(state)
+    state.report = REPORT
+    state.files[f"/v1/jobs/{JOB_ID}/results/skin"] = b"stl"
+    target = tmp_path / "apart.stl"
+    arguments = ["detach", skin, "--region", "arm:-1,2,3:4,5,6", "--region", "fingers:1,2,3:4,5,6.5:3", "-o", str(target)]
+    assert main([*arguments, "--gap", "0.5", "--pieces", "2", "--narrowing", "0.7", "--max-contact", "30"]) == 0
+    sent = json.loads(state.requests("POST", "/v1/processes/detach/execution")[0].body)["inputs"]
+    assert sent == {
+        "skin": {"href": f"/v1/meshes/{MESH_ID}"},
+        "regions": [
+            {"name": "arm", "box_mm": {"min": [-1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.0]}},
+            {"name": "fingers", "box_mm": {"min": [1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.5]}, "contacts": 3},
+        ],
+        "gap_mm": 0.5,
+        "pieces": 2,
+        "narrowing": 0.7,
+        "max_contact_cm2": 30.0,
     }
     assert target.read_bytes() == b"stl"
 

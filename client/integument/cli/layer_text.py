@@ -15,6 +15,7 @@ NO_NUMBERS = ("nan", "inf", "infinity")  # words for numbers, not names of array
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
 BOX_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax"
+CONTACT_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax[:contacts]"
 RATIO_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:ratio"
 
 
@@ -38,6 +39,17 @@ def read_ratio_region(text: str) -> dict[str, Any]:
     if not sign or box.count(":") != 2:
         raise ArgumentError(f"{where}: wanted is {RATIO_FORM}")
     return {**read_box(box), "ratio": _read_number(ratio, where)}
+
+
+def read_contact_region(text: str) -> dict[str, Any]:
+    """A region with its number of contacts, one if none is said, as the server takes it. Raises: ArgumentError."""
+    where = f"--region {text}"
+    if text.count(":") != 3:
+        return read_box(text)
+    box, _sign, contacts = text.rpartition(":")
+    if not (contacts.isascii() and contacts.isdigit()):
+        raise ArgumentError(f"{where}: wanted is {CONTACT_FORM}")
+    return {**read_box(box), "contacts": int(contacts)}
 
 
 def read_volumes(texts: Iterable[str]) -> dict[str, float]:

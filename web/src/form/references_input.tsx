@@ -17,7 +17,7 @@ export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
 
 export function packageChoices(jobs: readonly Job[]): Choice[] {
   return jobs
-    .filter((job) => job.processID !== "validate" && job.processID !== "graft")
+    .filter((job) => !["validate", "graft", "detach"].includes(job.processID))
     .map((job) => ({
       href: `/v1/jobs/${job.jobID}/results/package`,
       title: `${job.processID}, ${new Date(job.created).toLocaleString("en-GB")}: ${job.summary ?? ""}`,

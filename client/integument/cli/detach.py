@@ -1,0 +1,56 @@
+"""The command `detach`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import CONTACT_FORM, read_contact_region
+from integument.cli.mesh_argument import require_mesh
+from integument.cli.mesh_reference import refer_to
+from integument.cli.options import ReportOption, SkinArgument, UnitOption
+from integument.cli.session import connect
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(detach)
+
+
+def detach(
+    ctx: typer.Context,
+    skin: SkinArgument,
+    region: Annotated[
+        list[str],
+        typer.Option(metavar="REGION", help=f"A box in mm around both parts and where they touch; repeat. {CONTACT_FORM}"),
+    ],
+    unit: UnitOption = "mm",
+    gap: Annotated[float | None, typer.Option(metavar="MM", help="Smallest distance between the parts; default 1.")] = None,
+    pieces: Annotated[int | None, typer.Option(metavar="N", help="Pieces wanted in the end; default 1.")] = None,
+    narrowing: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="A contact is at most this share as deep as the thinner part; default 0.8."),
+    ] = None,
+    max_contact: Annotated[
+        float | None, typer.Option(metavar="CM2", help="Largest contact that is opened; default 100 cm².")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the skin, an STL.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Set parts of a body apart where they touch: arms and torso, fingers, thighs."""
+    options = options_of(ctx)
+    given: dict[str, Any] = {"gap_mm": gap, "pieces": pieces, "narrowing": narrowing, "max_contact_cm2": max_contact}
+    inputs: dict[str, Any] = {"regions": [read_contact_region(text) for text in region]}
+    inputs |= {key: value for key, value in given.items() if value is not None}
+    wanted = Wanted({} if output is None else {"skin": output}, report)
+    wanted.require_room()
+    require_mesh(skin)
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["skin"] = refer_to(session, view, skin, unit)
+        raise typer.Exit(run_to_end(session, options, "detach", inputs, wanted))
