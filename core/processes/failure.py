@@ -14,12 +14,18 @@ from core.processes.loaded_surfaces import load_surfaces
 from core.processes.named_input import load_input
 from core.processes.outcome import Outcome
 from core.processes.software import software_versions
+from core.processes.validate import METHODS as VALIDATE_METHODS
+from core.processes.validate import REFERENCES
 from core.reports.figures.compose import draw_mesh_figures
 from core.run import SILENT
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
 from core.schema.report import Report
 from core.schema.surfaces import SurfacesInputs
+from core.validation.validate import validate
+
+MOST_FACES_CHECKED = 2_000_000  # a failure should not keep people waiting
+METHODS = "Nothing was made. The surfaces that were given were looked at nevertheless. "
 
 
 def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentError) -> Outcome:
@@ -28,18 +34,42 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
     findings = (*known.findings, *error.findings) or (
         Finding(code=error.code, severity=Severity.ERROR, message=error.message, count=1),
     )
-    report = known.model_copy(
+    surfaces = _given(process, payload, error)
+    looked_at = _looked_at(known, surfaces)
+    report = looked_at.model_copy(
         update={
             "verdict": "not_ready",
             "summary": error.message,
-            "findings": findings,
-            "parameters": known.parameters or {"inputs": payload["inputs"]},
+            "findings": (*findings, *_others(looked_at.findings, findings)),
+            "parameters": known.parameters or {"inputs": payload["inputs"], "meshes": _sources(payload)},
             "software": software_versions(),
         }
     )
-    surfaces = _given(process, payload, error)
-    figures = draw_mesh_figures(surfaces, pairs=report.pairs, findings=findings) if surfaces else ()
+    figures = draw_mesh_figures(surfaces, pairs=report.pairs, findings=report.findings) if surfaces else ()
     return Outcome(report, (*error.figures, *figures), surfaces=surfaces)
+
+
+def _looked_at(known: Report, surfaces: Mapping[str, Mesh]) -> Report:
+    """What is known, and where no mesh was checked yet, what `validate` finds on those that were given."""
+    if known.meshes or known.steps or not 0 < sum(len(mesh.faces) for mesh in surfaces.values()) <= MOST_FACES_CHECKED:
+        return known
+    found = validate(surfaces)
+    measured = {"meshes": found.meshes, "pairs": found.pairs, "nesting": found.nesting}
+    return known.model_copy(
+        update={**measured, "findings": found.findings, "methods": METHODS + VALIDATE_METHODS, "references": REFERENCES}
+    )
+
+
+def _others(found: tuple[Finding, ...], told: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Those of a code that was not told yet: what stopped the job was found by the same checks."""
+    codes = {finding.code for finding in told}
+    return tuple(finding for finding in found if finding.code not in codes)
+
+
+def _sources(payload: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """Link -> name and checksum of the upload behind it."""
+    known = ("name", "sha256")
+    return {href: {key: str(entry[key]) for key in known if key in entry} for href, entry in payload["meshes"].items()}
 
 
 def _given(process: str, payload: Mapping[str, Any], error: IntegumentError) -> dict[str, Mesh]:
