@@ -12,6 +12,7 @@ from core.processes.loaded_skin import LoadedSkin, load_rounded
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome
 from core.processes.preparation.delivery import Prepared, as_tissues, deliver, leave_what_is_done, write_record
+from core.processes.preparation.detach_step import detach_parts
 from core.processes.preparation.ears_step import fit_ears_of
 from core.processes.preparation.layers_step import make_layers_of
 from core.processes.preparation.proof_step import prove_surfaces
@@ -61,7 +62,7 @@ def _prepare(
     if inputs.heal is None:
         require_fit_skin(source.mesh, SKIN)
     healed = heal_skin(inputs, source.mesh, log)
-    skin = decimate_skin(inputs, healed, log)
+    skin = detach_parts(inputs, decimate_skin(inputs, healed, log), log)
     inner_meshes = check_tissues(inputs, inner, skin, log)
     ears = fit_ears_of(inputs, skin, healed, solids, log)
     if ears is not None:

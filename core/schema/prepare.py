@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from core.schema.decimate import DecimateInputs, DecimateParameters
+from core.schema.detach import DetachSettings
 from core.schema.ears import DEFAULT_LAYERS, THESIS_DEPTHS_MM, CanalShape, EarRegion, EarsInputs
 from core.schema.heal import HealInputs, HealParameters
 from core.schema.model import FrozenModel
@@ -62,6 +63,9 @@ class PrepareInputs(FrozenModel):
         HealParameters(), description="Mend the skin first; a fit one stays as it is. null: an unfit skin is refused"
     )
     decimate: DecimateParameters | None = Field(None, description="Thin the skin out before layers are made from it")
+    detach: DetachSettings | None = Field(
+        None, description="Set parts of the skin apart that are grown together where they touch, such as arms and torso"
+    )
     ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] | None = Field(
         None, description="`auto` finds both ears of a whole body; or their boxes. Layers are thinner there"
     )
@@ -98,6 +102,8 @@ class PrepareInputs(FrozenModel):
     @model_validator(mode="after")
     def _consistent(self) -> PrepareInputs:
         require_distinct(self.layers)
+        if self.detach is not None and self.detach.pieces != 1:
+            raise ValueError("detach.pieces must be 1: layers are made of one skin")
         if self.ears is None:
             if self.canals or self.generate_canals is not None:
                 raise ValueError("canals are cut into ears: they go with `ears`")

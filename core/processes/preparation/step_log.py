@@ -20,10 +20,11 @@ Surfaces = Mapping[str, Mesh]
 Draw = Callable[[Surfaces], tuple[Figure, ...]]
 
 STEPS: Mapping[str, tuple[str, float]] = {  # name -> title, end on the progress bar
-    "heal": ("Skin mended", 0.1),
-    "decimate": ("Skin thinned out", 0.16),
-    "tissues": ("Inner tissues checked", 0.18),
-    "ears": ("Ears found and canals cut", 0.24),
+    "heal": ("Skin mended", 0.08),
+    "decimate": ("Skin thinned out", 0.13),
+    "detach": ("Parts that touch set apart", 0.2),
+    "tissues": ("Inner tissues checked", 0.21),
+    "ears": ("Ears found and canals cut", 0.25),
     "layers": ("Layers made", 0.5),
     "separate": ("Inner tissues set apart", 0.58),
     "validate": ("Proof on the files", 0.66),
@@ -78,9 +79,9 @@ class StepLog:
         return value
 
     def tell(self, report: StepReport, surfaces: Surfaces | None = None, draw: Draw | None = None) -> None:
-        """A step is done; its record gets one line in the job's log. surfaces: all of them, if it changed any."""
+        """A step is done; its record gets one line in the job's log. surfaces: those it changed, outermost first."""
         if surfaces is not None:
-            self.surfaces = dict(surfaces)
+            self.surfaces = {**surfaces, **{name: mesh for name, mesh in self.surfaces.items() if name not in surfaces}}
         self._reports[report.name] = report
         if draw is not None:
             self._drawn[report.name] = draw

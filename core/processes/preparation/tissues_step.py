@@ -12,6 +12,7 @@ from core.geometry.containment import is_inside
 from core.geometry.face_tree import FaceTree
 from core.mesh import Mesh
 from core.processes.named_input import NamedInput
+from core.processes.preparation.skin_steps import SKIN
 from core.processes.preparation.step_log import STEPS, StepLog
 from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
@@ -49,7 +50,8 @@ def check_tissues(inputs: PrepareInputs, tissues: Mapping[str, NamedInput], skin
             summary=f"{len(meshes)} inner surfaces are closed, look outwards and belong inside the skin: {', '.join(meshes)}.",
             numbers={"surfaces": len(meshes), "faces of all": faces},
             changes=_shifts(tissues, meshes),
-        )
+        ),
+        {SKIN: skin, **meshes},
     )
     return meshes
 

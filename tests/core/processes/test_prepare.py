@@ -18,6 +18,7 @@ from core.mesh import Mesh
 from core.package.read import read_package
 from core.schema.prepare import PrepareInputs
 from core.schema.report import Report
+from subjects.touching import closed_ring
 from tests.core.processes.preparing import BRAIN, CANAL, EYE, SKIN, TIP, WHITE, Attempt, report_in
 from tests.solids import flipped, sphere, together, without_faces
 
@@ -27,7 +28,7 @@ ASKED: dict[str, Any] = {
     "decimate": {"target_ratio": 0.8},
     "said": {"white": {"inside": "brain"}, "eye": {"conductivity_s_per_m": 1.5}},
 }
-STEPS = ["heal", "decimate", "tissues", "ears", "layers", "separate", "validate", "tetrahedra"]
+STEPS = ["heal", "decimate", "detach", "tissues", "ears", "layers", "separate", "validate", "tetrahedra"]
 
 
 @pytest.fixture(scope="module")
@@ -75,8 +76,8 @@ def test_every_tissue_is_a_region_of_the_tetrahedra(done: dict[str, Any], report
 
 def test_the_report_has_a_section_per_step(done: dict[str, Any], report: Report) -> None:
     assert [step.name for step in report.steps] == STEPS
-    assert {step.outcome for step in report.steps} == {"done"}
-    assert report.steps[5].numbers["tissues moved"] == 2
+    assert {step.name: step.outcome for step in report.steps} == {**dict.fromkeys(STEPS, "done"), "detach": "not_needed"}
+    assert report.steps[6].numbers["tissues moved"] == 2
     heal = report.steps[0]
     assert (heal.numbers["faces before"], heal.numbers["faces after"]) == (2047, 2048)
     assert "holes" in heal.summary
@@ -89,11 +90,13 @@ def test_the_report_has_a_section_per_step(done: dict[str, Any], report: Report)
 def test_the_record_tells_what_every_step_took(done: dict[str, Any], first: Attempt) -> None:
     record = json.loads(done["files"]["steps"].read_bytes())["steps"]
     assert [step["name"] for step in record] == [*STEPS, "package"]
-    assert all(step["outcome"] == "done" and step["seconds"] >= 0 and not step["taken_from_attempt_before"] for step in record)
     by_name = {step["name"]: step for step in record}
+    assert by_name.pop("detach")["seconds"] is None
+    assert {step["outcome"] for step in by_name.values()} == {"done"}
+    assert all(step["seconds"] >= 0 and not step["taken_from_attempt_before"] for step in by_name.values())
     assert by_name["heal"]["faces_before"] == {"skin": 2047}
     assert by_name["heal"]["faces_after"] == {"skin": 2048}
-    assert set(by_name["layers"]["faces_after"]) == {"skin", "fat", "average_body"}
+    assert set(by_name["layers"]["faces_after"]) == {"skin", "fat", "average_body", "brain", "white", "eye"}
     assert [line for line in first.log if line.startswith("step heal done")]
 
 
@@ -102,7 +105,7 @@ def test_an_attempt_after_a_crash_does_nothing_twice(first: Attempt, done: dict[
     result = again.run()
     assert again.made == {}
     record = json.loads(result["files"]["steps"].read_bytes())["steps"]
-    assert {step["name"] for step in record if step["taken_from_attempt_before"]} == set(STEPS)
+    assert {step["name"] for step in record if step["taken_from_attempt_before"]} == set(STEPS) - {"detach"}
     for name in set(result["files"]) - {"steps"}:  # its seconds are those of the attempt
         assert _sha256(result["files"][name]) == _sha256(done["files"][name]), name
 
@@ -115,13 +118,13 @@ def test_a_failing_step_leaves_the_results_before_it(first: Attempt, tmp_path: P
     assert error.code == "tissues.cross"
     assert {place.mesh for finding in error.findings for place in finding.places} == {"brain", "eye"}
     left = {output["name"]: Path(output["path"]) for output in error.outputs}
-    assert set(left) == {"skin", "fat", "average_body", "steps", "report", "report_html"}
+    assert set(left) == {"skin", "fat", "average_body", "brain", "white", "eye", "steps", "report", "report_html"}
     fat = read_meshes(left["fat"], file_name="fat.stl", unit="mm").meshes[0].mesh
     assert len(find_intersecting_faces(fat.vertices, fat.faces)) == 0
     report = report_in(attempt.out)
     outcomes = {step.name: step.outcome for step in report.steps}
-    ended = {"separate": "not_needed", "validate": "failed", "tetrahedra": "not_reached"}
-    assert outcomes == {**dict.fromkeys(STEPS[:5], "done"), **ended}
+    ended = {"detach": "not_needed", "separate": "not_needed", "validate": "failed", "tetrahedra": "not_reached"}
+    assert outcomes == {**dict.fromkeys(STEPS[:6], "done"), **ended}
     record = {step["name"]: step for step in json.loads(left["steps"].read_bytes())["steps"]}
     assert record["layers"]["taken_from_attempt_before"]
     assert record["validate"]["outcome"] == "failed"
@@ -135,6 +138,18 @@ def test_every_step_may_be_left_out(tmp_path: Path) -> None:
     outcomes = {step.name: step.outcome for step in report_in(attempt.out).steps}
     assert {name for name, outcome in outcomes.items() if outcome == "done"} == {"layers", "validate"}
     assert {name for name, outcome in outcomes.items() if outcome == "not_needed"} == set(STEPS) - {"layers", "validate"}
+
+
+def test_parts_that_touch_are_set_apart_first(tmp_path: Path) -> None:
+    ring = closed_ring(4.0)
+    box = {"name": "ends", "box_mm": {"min": [20.0, -25.0, -15.0], "max": [60.0, 25.0, 15.0]}}
+    asked = {"layers": [{"name": "fat", "depth_mm": 1.0}], "tetrahedra": None}
+    attempt = Attempt(tmp_path / "ring", {"skin": ring}, detach={"regions": [box], "gap_mm": 1.0}, **asked)
+    assert attempt.run()["verdict"] == "simulation_ready"
+    report = report_in(attempt.out)
+    (step,) = (step for step in report.steps if step.name == "detach")
+    assert (step.numbers["genus before"], step.numbers["genus after"]) == (1, 0)
+    assert report.meshes["fat"].genus == 0
 
 
 BALL = sphere(50.0, 2)
@@ -183,6 +198,7 @@ LINK = {"href": f"/v1/meshes/{'0' * 36}"}
         ({"layers": [{"name": "msh", "depth_mm": 1}]}, "must differ"),
         ({"tissues": [{"name": "heart", "mesh": LINK, "inside": "chest"}]}, "to be inside 'chest'"),
         ({"separate": {"priority": {"skin": 1}}}, "priority names"),
+        ({"detach": {"regions": [TIP], "pieces": 2}}, "pieces must be 1"),
         ({"layers": [{"name": "deep", "depth_mm": 3}, {"name": "fat", "depth_mm": 1}]}, "must increase inwards"),
     ],
 )
