@@ -172,7 +172,9 @@ class Settings(BaseSettings):
     drain_s: Seconds = Field(30.0, description="How long the jobs of a worker that is told to stop may still run")
     reconcile_s: Seconds = Field(5.0, description="How often lost leases and unanswered rings are looked for")
     rering_s: Seconds = Field(30.0, description="An accepted job nobody took is announced again after this long")
-    max_attempts: int = Field(2, ge=1, le=100, description="Workers a job may lose before it fails with `worker.lost`")
+    max_attempts: int = Field(
+        2, ge=1, le=100, description="Workers a job may lose before it fails with `worker.lost`; two more for `prepare`"
+    )
     worker_concurrency: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=1024, description="Jobs one worker runs at a time"
     )

@@ -96,7 +96,7 @@ def _accept(
                 process.id,
                 stored,
                 mesh_inputs=meshes,
-                max_attempts=services.settings.max_attempts,
+                max_attempts=services.settings.max_attempts + process.more_attempts,
                 subscriber=subscriber,
                 expectation=expectation,
                 words=JobWords(body.name, body.labels),
