@@ -10,6 +10,7 @@ from core.errors import IntegumentError, StateError
 from core.processes.checkpoints.kept_steps import KeptSteps
 from core.processes.cohort_summary import run_cohort_summary
 from core.processes.decimate import run_decimate
+from core.processes.delivered_checksums import with_checksums
 from core.processes.detach import run_detach
 from core.processes.ears import run_ears
 from core.processes.failure import failure_outcome
@@ -41,8 +42,8 @@ HANDLERS: dict[str, Handler] = {
     "heal": run_heal,
     "decimate": run_decimate,
     "smooth": run_smooth,
-    "separate": run_separate,
     "detach": run_detach,
+    "separate": run_separate,
     "tetrahedralize": run_tetrahedralize,
     "prepare": run_prepare,
 }
@@ -88,8 +89,9 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
 
 
 def _write_report(outcome: Outcome, out_dir: Path) -> tuple[OutputFile, ...]:
-    (out_dir / "report.json").write_text(outcome.report.model_dump_json(indent=2) + "\n", encoding="utf-8")
-    page = render_html(outcome.report, outcome.figures, make_scene(outcome.surfaces))
+    report = with_checksums(outcome.report, outcome.files, out_dir)
+    (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    page = render_html(report, outcome.figures, make_scene(outcome.surfaces))
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return (
         OutputFile("report", Path("report.json"), "application/json", "report.json"),

@@ -54,7 +54,7 @@ class MeshReport(FrozenModel):
     quality: QualityNumbers
     edges: EdgeNumbers
     minimum_dihedral_deg: float | None = Field(description="Smallest angle between two neighbouring faces, 180 is flat")
-    sha256: str | None = Field(None, description="Of the delivered STL, if the mesh is in a package")
+    sha256: str | None = Field(None, description="Of the delivered STL; null for a mesh that came and was not handed out again")
 
 
 class PairReport(FrozenModel):

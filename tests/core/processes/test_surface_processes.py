@@ -1,5 +1,6 @@
 """`heal`, `decimate` and `smooth`: one surface, several by name, a package; what is kept, and what is refused."""
 
+import hashlib
 import json
 import zipfile
 from collections.abc import Mapping
@@ -103,6 +104,10 @@ def test_one_surface_gives_one_surface_and_a_report(process: str, tmp_path: Path
     page = result["files"]["report_html"].read_text(encoding="utf-8")
     assert "Before and after" in page
     assert "data:image/png" in page
+    (measured,) = result["report"].meshes.values()
+    (surface,) = (path for name, path in result["files"].items() if not name.startswith("report"))
+    assert measured.sha256 == hashlib.sha256(surface.read_bytes()).hexdigest()
+    assert measured.sha256 in result["files"]["report_html"].read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("process", PROCESSES)
