@@ -7,13 +7,16 @@ import threading
 import time
 
 from core.errors import IntegumentError
+from store.database import BUSY_TIMEOUT_S
 from store.job import Job
 from store.leadership import Leadership
+from store.settings import Settings
 from store.sqlite_file import SqliteFile
 from store.unfit import Unfit
 from store.workers import Workers, WorkerState
 from worker.job_folder import sweep_job_folders
 from worker.liveness import Liveness
+from worker.outage import LONGEST_WAIT_S
 from worker.workshop import Workshop
 
 logger = logging.getLogger(__name__)
@@ -77,12 +80,12 @@ class Reconciler:
 
     def _note_outage(self) -> None:
         """A lease that lapsed while nobody could renew it says nothing about its holder: after a time without the database,
-        whoever is alive gets the time of one lease to say so."""
-        now = time.monotonic()
-        lease_s = self._workshop.settings.lease_s
-        if now - self._heard_at > lease_s / 2:
-            logger.warning("the database was away for %.0f s: no lease is ended for %g s", now - self._heard_at, lease_s)
-            self._patient_until = now + lease_s
+        whoever is alive gets the time to say so."""
+        now, settings = time.monotonic(), self._workshop.settings
+        if now - self._heard_at > settings.lease_s / 2 and now >= self._patient_until:
+            patience_s = patience_after_outage_s(settings)
+            logger.warning("the database was away for %.0f s: no lease is ended for %g s", now - self._heard_at, patience_s)
+            self._patient_until = now + patience_s
         self._heard_at = now
 
     def tidy(self) -> None:
@@ -144,3 +147,18 @@ class Reconciler:
             self._leadership.resign()
         except IntegumentError as error:
             logger.warning("the reconciler cannot hand over; another follows when its lease is over: %s", error)
+
+
+def patience_after_outage_s(settings: Settings) -> float:
+    """Until everybody alive has renewed his lease: one try that still hangs, the longest wait before the next, two heartbeats
+    for the way. Never longer than a lease; a lost worker's job shall not wait for a whole one more."""
+    return min(settings.lease_s, BUSY_TIMEOUT_S + LONGEST_WAIT_S + 2 * settings.heartbeat_s)
+
+
+def recovery_s(settings: Settings) -> float:
+    """In so many seconds the job of a worker that was killed waits again, where the machine leaves everybody his share.
+
+    Its lease lapses, the next round sees it. A leader that was killed too is followed within the time of the lease. A database
+    that comes back late, or a round that is late, puts the end off by the patience above: once, for it is not prolonged."""
+    followed_s = LEAD_ROUNDS * settings.reconcile_s + settings.reconcile_s
+    return max(settings.lease_s, followed_s) + patience_after_outage_s(settings) + settings.reconcile_s
