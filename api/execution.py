@@ -15,7 +15,8 @@ from api.violations import ViolationsError
 from core.errors import InputError
 from core.schema.model import FrozenModel
 from core.schema.processes import ProcessDescription
-from core.schema.reference import MeshReference, PackageReference
+from core.schema.reference import MeshReference, PackageReference, VolumeReference
+from core.schema.segment import SegmentInputs
 from core.schema.surfaces import SurfacesInputs
 from store.job import MeshInput
 from store.workspace import WorkspaceId
@@ -35,11 +36,15 @@ def require_known_outputs(process: ProcessDescription, inputs: FrozenModel, requ
     """Raises InputError `outputs.unknown` if the request names an output this job will not have."""
     if isinstance(inputs, SurfacesInputs) and inputs.package is not None:
         return  # which surfaces a package holds is known when it is read
+    if isinstance(inputs, SegmentInputs) and inputs.includes_others:
+        return  # and so are the labels of a volume
     known = [*process.outputs]
     if process.names_layers:
         known += [layer.name for layer in getattr(inputs, "layers", ())]
     if process.names_tissues:
         known += [tissue.name for tissue in getattr(inputs, "tissues", ())]
+    if isinstance(inputs, SegmentInputs):
+        known += inputs.names.values()
     if isinstance(inputs, SurfacesInputs):
         known = [name for name in known if name != ("mesh" if inputs.mesh is None else "package")]
         known += list(inputs.meshes or ())
@@ -54,13 +59,10 @@ def resolve_meshes(services: Services, workspace: WorkspaceId, inputs: FrozenMod
     """The inputs as stored (links without host: only their path counts) and the meshes they are bound to.
 
     Raises InputError `reference.*`."""
-    wanted = dict.fromkeys(
-        (path_of(reference.href), isinstance(reference, PackageReference)) for reference in references_in(inputs)
-    )
-    meshes = [
-        services.mesh_inputs.resolve_package(workspace, href) if is_package else services.mesh_inputs.resolve(workspace, href)
-        for href, is_package in wanted
-    ]
+    wanted = dict.fromkeys((path_of(reference.href), type(reference)) for reference in references_in(inputs))
+    of = services.mesh_inputs
+    resolve = {PackageReference: of.resolve_package, VolumeReference: of.resolve_volume}
+    meshes = [resolve.get(kind, of.resolve)(workspace, href) for href, kind in wanted]
     return _with_paths(_stored(inputs, inputs.model_dump(mode="json"))), meshes
 
 

@@ -11,7 +11,7 @@ from core.errors import InputError
 from sandbox.call import call
 from sandbox.handed_file import require_own_file
 from sandbox.limits import Limits
-from store.meshes import MeshUpload
+from store.meshes import MeshRecord, MeshUpload
 
 TARGET = "core.processes.intake:run"
 UNITS = ("m", "cm", "mm", "in")
@@ -36,6 +36,14 @@ def require_unit(received: ReceivedFile) -> str:
     if unit not in UNITS:
         raise InputError("unit.unknown", f"Unit {unit[:20]!r} is not known; use one of {', '.join(UNITS)}")
     return unit
+
+
+def require_mesh(record: MeshRecord) -> None:
+    """Raises InputError `mesh.is_a_volume` if the upload is a label volume, which has no triangles yet."""
+    if record.volume is not None:
+        raise InputError(
+            "mesh.is_a_volume", f"'{record.name}' is a label volume, not a mesh; `segment` makes surfaces of it", mesh=record.id
+        )
 
 
 def name_of(received: ReceivedFile) -> str:
@@ -65,4 +73,5 @@ def parse(services: Services, received: ReceivedFile, unit: str, folder: Path) -
         extents_mm=(x, y, z),
         findings=tuple(told["findings"]),
         arrays=tuple(mesh["arrays"]),
+        volume=told.get("volume"),
     )

@@ -27,6 +27,7 @@ def describe_mesh(request: Request, record: MeshRecord) -> MeshInfo:
             "faces": record.faces,
             "extents_mm": record.extents_mm,
             "arrays": record.arrays,
+            "volume": record.volume,
             "findings": record.findings,
             "created": record.created_at,
             "links": (

@@ -98,7 +98,7 @@ def describe_outputs(process: ProcessDescription) -> dict[str, OutputDescription
     if process.names_surfaces:
         described[SURFACE_OUTPUT] = OutputDescription(
             title="Each surface",
-            description="One output per surface of `meshes` or of the package, named as it is there: as delivered, float32",
+            description="One output per surface of `meshes`, of the package, or of labels, under its name: as delivered, float32",
             json_schema=_file_schema("model/stl"),
         )
     return described

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Mapping
 from pathlib import PurePath
+from typing import Any
 
 from core.errors import InputError, StateError
-from core.schema.reference import MESH_HREF, MESH_MEDIA_TYPES, PACKAGE_MEDIA_TYPES, RESULT_HREF
+from core.schema.reference import MESH_HREF, MESH_MEDIA_TYPES, PACKAGE_MEDIA_TYPES, RESULT_HREF, VOLUME_MEDIA_TYPE
 from store.blobs import Blobs
 from store.database import Database
 from store.job import JobOutput, JobStatus, MeshInput
@@ -16,6 +19,7 @@ from store.workspace import WorkspaceId
 
 STL_HEADER_BYTES, STL_FACE_BYTES = 84, 50
 PACKED_FACE_BYTES = 100  # measured 110 to 170: STL and solver files of every surface, deflated
+VOXELS_PER_FACE = 20  # measured: filters take about 40 bytes for each voxel around a label
 
 _HREF = re.compile(rf"(?:https?://[^/]+)?(?P<path>{MESH_HREF}|{RESULT_HREF})")
 
@@ -49,6 +53,17 @@ class MeshInputs:
             )
         return package
 
+    def resolve_volume(self, workspace: WorkspaceId, href: str) -> MeshInput:
+        """The label volume behind a link, kept as long as a mesh.
+
+        Raises InputError as `resolve`, with `reference.not_a_volume` if that upload is a mesh."""
+        volume = self._find(workspace, href)
+        if volume.media_type != VOLUME_MEDIA_TYPE:
+            raise InputError(
+                "reference.not_a_volume", f"'{volume.file_name}' is {volume.media_type}, not a label volume", href=href
+            )
+        return volume
+
     def _find(self, workspace: WorkspaceId, href: str) -> MeshInput:
         match = _HREF.fullmatch(href)
         if match is None:
@@ -68,9 +83,10 @@ class MeshInputs:
 
     def _upload(self, workspace: WorkspaceId, href: str, mesh_id: str) -> MeshInput:
         record = self._meshes.get(workspace, mesh_id)
-        return MeshInput(
-            href, record.name, record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name, record.sha256, record.faces
-        )
+        media_type, faces = CANONICAL_MEDIA_TYPE, record.faces
+        if record.volume is not None:
+            media_type, faces = VOLUME_MEDIA_TYPE, _weigh(record.volume)
+        return MeshInput(href, record.name, record.canonical_sha256, media_type, record.file_name, record.sha256, faces)
 
     def _result(self, workspace: WorkspaceId, href: str, job_id: str, name: str) -> MeshInput:
         job = self._jobs.get(workspace, job_id)
@@ -85,6 +101,12 @@ class MeshInputs:
             )
         stem, faces = PurePath(output.file_name).stem, count_faces(output)
         return MeshInput(href, stem, output.sha256, output.media_type, output.file_name, faces=faces)
+
+
+def _weigh(volume: Mapping[str, Any]) -> int:
+    """Faces that need as much as the surfaces of a label volume and its voxels: what a job is sized by."""
+    voxels: list[int] = volume["voxels"]
+    return int(volume["expected_faces"]) + math.prod(voxels) // VOXELS_PER_FACE
 
 
 def count_faces(output: JobOutput) -> int:

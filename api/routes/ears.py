@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
-from api.intake import limits_of
+from api.intake import limits_of, require_mesh
 from api.parameters import MeshId
 from api.responses import problems
 from api.routes.meshes import scratch_folder
@@ -30,6 +30,7 @@ async def find_ears(
 ) -> FoundEars:
     """The boxes that `ears: "auto"` of the process `ears` would take; 422 `ears.not_found` says what was missing."""
     record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
+    require_mesh(record)
     return await anyio.to_thread.run_sync(_find, services, record, folder, limiter=services.intake_slots)
 
 

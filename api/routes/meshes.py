@@ -16,7 +16,7 @@ from starlette.concurrency import run_in_threadpool
 from api.access import WorkspaceDep
 from api.downloads import Download, read_file, send_download
 from api.idempotency import REPLAYED, Once, fingerprint_of
-from api.intake import limits_of, name_of, parse, require_unit
+from api.intake import limits_of, name_of, parse, require_mesh, require_unit
 from api.links import BASE, mesh_path
 from api.mesh_documents import describe_mesh, list_meshes
 from api.paging import add_next_link
@@ -46,7 +46,11 @@ _UPLOAD_BODY: dict[str, Any] = {
                     "type": "object",
                     "required": ["file"],
                     "properties": {
-                        "file": {"type": "string", "format": "binary", "description": "STL, MAT (v5 to v7.3), PLY or OBJ"},
+                        "file": {
+                            "type": "string",
+                            "format": "binary",
+                            "description": "STL, MAT (v5 to v7.3), PLY, OBJ, or a label volume as NIfTI",
+                        },
                         "unit": {
                             "type": "string",
                             "enum": ["m", "cm", "mm", "in"],
@@ -86,7 +90,7 @@ async def upload_mesh(
     workspace: WorkspaceDep,
     idempotency_key: IdempotencyKey = None,
 ) -> MeshInfo:
-    """Send a mesh. It is read at once: the answer says what was found in it, or what is wrong with it."""
+    """Send a mesh, or a label volume. It is read at once: the answer says what was found in it, or what is wrong with it."""
     await run_in_threadpool(services.quotas.check_room_for_bytes, workspace, 0)  # before gigabytes come for nothing
     with request_folder(services.incoming_dir) as folder:
         received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes)
@@ -168,6 +172,7 @@ async def get_mesh_file(
     record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
     if file_format == "original":
         return send_download(request, await run_in_threadpool(_original, services, record))
+    require_mesh(record)
     download = await anyio.to_thread.run_sync(_export, services, record, file_format, folder, limiter=services.intake_slots)
     return send_download(request, download)
 

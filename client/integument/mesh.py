@@ -17,8 +17,24 @@ class VertexArray(Answer):
     not_finite: int = 0
 
 
+class LabelInfo(Answer):
+    """One label of a volume."""
+
+    label: int
+    voxels: int = 0
+    volume_mm3: float = 0.0
+
+
+class VolumeInfo(Answer):
+    """Voxels and labels of a label volume."""
+
+    voxels: tuple[int, int, int]
+    voxel_mm: tuple[float, float, float] | None = None
+    labels: tuple[LabelInfo, ...] = ()
+
+
 class Mesh(Answer):
-    """A mesh the server holds; lengths in mm whatever the unit of the upload was."""
+    """A mesh or a label volume the server holds; lengths in mm whatever the unit of the upload was."""
 
     id: str
     name: str = ""
@@ -31,6 +47,7 @@ class Mesh(Answer):
     faces: int | None = None
     extents_mm: tuple[float, float, float] | None = None
     arrays: tuple[VertexArray, ...] = ()
+    volume: VolumeInfo | None = Field(None, description="Of a label volume; None of a mesh")
     findings: tuple[Finding, ...] = ()
 
     @property

@@ -17,14 +17,17 @@ from core.io.unit import MM_PER_UNIT, Unit
 from core.label_volume import LARGEST_LABEL, Labels, LabelVolume
 from core.schema.finding import Finding, Severity
 
+EXTENSIONS = (".nii", ".nii.gz")
 GZIP = b"\x1f\x8b"
 PIECE_BYTES = 4 << 20
 WHOLE = 1e-3  # a scaled value is a whole number within this
 MOST_LABELS = 1024  # a picture has thousands of different values
 
 
-def is_nifti(path: Path) -> bool:
-    """True if a NIfTI header begins in the first bytes, packed or not; the rest is `read_volume`'s."""
+def is_nifti(path: Path, file_name: str = "") -> bool:
+    """True if a NIfTI header begins in the first bytes, packed or not, or the user calls it so; the rest is `read_volume`'s."""
+    if file_name.lower().endswith(EXTENSIONS):
+        return path.stat().st_size > 0
     try:
         with _opened(path) as file:
             head = file.read(348)

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from core.geometry.normals import face_areas
 from core.io import canonical
 from core.io.naming import clean_name
+from core.io.nifti import is_nifti
 from core.io.reading import Intake, NamedMesh
 from core.io.registry import read_meshes
 from core.io.unit import require_unit
 from core.io.welding import weld
 from core.mesh import Mesh
+from core.processes.volume_intake import take_in_volume
 from core.schema.finding import Finding, Severity
 
 MOST_NAMES_SHOWN = 20
@@ -28,10 +30,13 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     Arrays with a number per vertex are kept beside the mesh as they are. Returns {"format", "meshes": [{"name", "path",
     "vertices", "faces", "extents_mm", "area_mm2", "arrays": [{"name", "minimum", "maximum", "not_finite"}]}], "findings"},
     all plain JSON.
-    Raises: InputError and LimitError as `core.io.registry.read_meshes`, InputError `unit.unknown`.
+    A label volume becomes no mesh: see `volume_intake`.
+    Raises: InputError and LimitError as `core.io.registry.read_meshes`, `core.io.nifti.read_volume`; InputError `unit.unknown`.
     """
     del channel  # a parse takes seconds: there is no progress to tell
     unit = require_unit(payload["unit"])
+    if is_nifti(Path(payload["path"]), payload["file_name"]):
+        return take_in_volume(Path(payload["path"]), payload["file_name"], unit, Path(payload["out_dir"]))
     intake = read_meshes(Path(payload["path"]), file_name=payload["file_name"], unit=unit)
     combined = combine(intake.meshes, clean_name(Path(payload["file_name"]).stem, "mesh"))
     findings = (*intake.findings, *check_solids(intake))

@@ -18,6 +18,7 @@ from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.prepare import run_prepare
+from core.processes.segment import run_segment
 from core.processes.separate import run_separate
 from core.processes.shells import run_shells
 from core.processes.smooth import run_smooth
@@ -43,6 +44,7 @@ HANDLERS: dict[str, Handler] = {
     "decimate": run_decimate,
     "smooth": run_smooth,
     "detach": run_detach,
+    "segment": run_segment,
     "separate": run_separate,
     "tetrahedralize": run_tetrahedralize,
     "prepare": run_prepare,
@@ -91,7 +93,7 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
 def _write_report(outcome: Outcome, out_dir: Path) -> tuple[OutputFile, ...]:
     report = with_checksums(outcome.report, outcome.files, out_dir)
     (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
-    page = render_html(report, outcome.figures, make_scene(outcome.surfaces))
+    page = render_html(report, outcome.figures, make_scene(outcome.surfaces, outcome.depths_mm))
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return (
         OutputFile("report", Path("report.json"), "application/json", "report.json"),

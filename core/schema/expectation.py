@@ -63,6 +63,7 @@ _NEEDS: Mapping[str, _Need] = {
     "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=130e-6),
     "detach": _Need(400, 900, s=12.0, s_per_face=30e-6),
     "separate": _Need(400, 850, s=2.0, s_per_face=110e-6),
+    "segment": _Need(400, 800, s=3.0, s_per_face=60e-6),
     "smooth": _Need(400, 850, s=1.5, s_per_face=45e-6),
 }
 DEFAULT_ITERATIONS = 20
@@ -73,9 +74,9 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
 
     Each of n layers works on the faces of the skin, and all surfaces are there at the end. Smoothing that is told to make all its
     iterations takes time for each. Source: `python -m benchmarks.expectations`, docs/benchmarks.md."""
-    need = _NEEDS.get(process)
     if process == "prepare":
         return _expect_chain(inputs, faces)
+    need = _NEEDS.get(process)
     if need is None:
         return UNKNOWN
     layers = len(inputs.get("layers") or ())

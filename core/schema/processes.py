@@ -11,6 +11,7 @@ from core.schema.graft import GraftInputs
 from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
 from core.schema.prepare import PrepareInputs
+from core.schema.segment import SegmentInputs
 from core.schema.separate import SeparateInputs
 from core.schema.shells import ShellsInputs
 from core.schema.smooth import SmoothInputs
@@ -41,7 +42,7 @@ class ProcessDescription(FrozenModel):
     names_layers: bool = False
     """True if every layer asked for is an output of its own besides (`results/fat`), ready to be chained."""
     names_surfaces: bool = False
-    """True if every surface that came is an output under its own name: `mesh` if it came alone, else beside the package."""
+    """True if every surface is an output under its own name: `mesh` if one came alone, else beside the package."""
     names_tissues: bool = False
     """True if every inner tissue asked for is an output of its own besides, named after it."""
     more_attempts: int = 0
@@ -158,7 +159,6 @@ SMOOTH = ProcessDescription(
     outputs=_OF_SURFACES,
     names_surfaces=True,
 )
-SEPARATE = ProcessDescription(
 DETACH = ProcessDescription(
     id="detach",
     version="1.0.0",
@@ -174,6 +174,7 @@ DETACH = ProcessDescription(
         "report_html": _REPORT_HTML,
     },
 )
+SEPARATE = ProcessDescription(
     id="separate",
     version="1.0.0",
     title="Separate tissues",
@@ -184,6 +185,24 @@ DETACH = ProcessDescription(
     inputs=SeparateInputs,
     outputs={name: output for name, output in _OF_SURFACES.items() if name != "mesh"},
     names_surfaces=True,
+)
+SEGMENT = ProcessDescription(
+    id="segment",
+    version="1.0.0",
+    title="Make surfaces of labels",
+    description="A label volume (NIfTI, any orientation, uneven voxels) to one closed manifold surface per label: smooth below "
+    "the size of a voxel without shrinkage, neighbours kept apart by a gap, islands and cavities as asked, proven free of "
+    "intersections in the delivered files.",
+    keywords=("segmentation", "labels", "NIfTI", "voxels", "surface", "isosurface"),
+    inputs=SegmentInputs,
+    names_surfaces=True,
+    outputs={
+        "package": OutputDescription(
+            title="Package", media_type="application/zip", description="All surfaces with solver files, manifest and report"
+        ),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+    },
 )
 TETRAHEDRALIZE = ProcessDescription(
     id="tetrahedralize",
@@ -234,5 +253,5 @@ PREPARE = ProcessDescription(
 )
 PROCESSES: dict[str, ProcessDescription] = {
     process.id: process
-    for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, DETACH, SEPARATE, TETRAHEDRALIZE, PREPARE)
+    for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, DETACH, SEGMENT, SEPARATE, TETRAHEDRALIZE, PREPARE)
 }

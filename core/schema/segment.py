@@ -22,10 +22,10 @@ class SegmentParameters(FrozenModel):
         description='Label -> name of its surface, as `{"2": "white_matter", "41": "white_matter"}`: labels of one name become '
         "one surface",
     )
-    others: Literal["ignore", "include"] | None = Field(
-        None,
-        description="Labels without a name: `include` calls them label_<number>, `ignore` takes them as nothing. Default: "
-        "`ignore` if there are names, else `include`",
+    others: Literal["auto", "include", "ignore"] = Field(
+        "auto",
+        description="Labels without a name: `include` calls them label_<number>, `ignore` takes them as nothing, `auto` ignores "
+        "them if there are names",
     )
     islands: Literal["keep_largest", "keep_above", "keep_all"] = Field(
         "keep_largest", description="Pieces of a label: the largest, those of `min_island_mm3` or more, or all"
@@ -40,6 +40,11 @@ class SegmentParameters(FrozenModel):
     faces_share: float = Field(
         0.33, gt=0, le=1, description="Share of the faces of the first surface, about 9 per voxel, that stays"
     )
+
+    @property
+    def includes_others(self) -> bool:
+        """True if labels without a name become surfaces, too."""
+        return self.others == "include" or (self.others == "auto" and not self.names)
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:

@@ -37,7 +37,8 @@ def give_way(volume: LabelVolume, borders: Sequence[Border], gap_mm: float, run:
         apart[number] = border.with_share(border.share - step, CLOSEST)
     for round_ in range(ROUNDS):
         meshes = [border.mesh(volume) for border in apart]
-        missing = _find_missing(meshes, gap_mm, gap_mm * (1.0 + FARTHER * round_))
+        crowded = [border.crowded for border in apart]
+        missing = _find_missing(meshes, crowded, gap_mm, gap_mm * (1.0 + FARTHER * round_))
         if not any(each.any() for each in missing):
             return tuple(apart)
         run.log(f"round {round_ + 1}: {sum(int((each > 0).sum()) for each in missing):,} vertices give way once more")
@@ -51,7 +52,7 @@ def give_way(volume: LabelVolume, borders: Sequence[Border], gap_mm: float, run:
     )
 
 
-def _find_missing(meshes: Sequence[Mesh], gap_mm: float, reach_mm: float) -> list[Floats]:
+def _find_missing(meshes: Sequence[Mesh], crowded: Sequence[NDArray[np.bool_]], gap_mm: float, reach_mm: float) -> list[Floats]:
     """By how much each vertex is to give way to be `reach_mm` away, (V,) mm for each mesh; 0 where a pair is `gap_mm` apart."""
     missing = [np.zeros(len(mesh.vertices)) for mesh in meshes]
     trees = [FaceTree.of(mesh.vertices, mesh.faces) for mesh in meshes]
@@ -66,7 +67,7 @@ def _find_missing(meshes: Sequence[Mesh], gap_mm: float, reach_mm: float) -> lis
         missing[i][a.faces[gap.face_a]] = np.maximum(missing[i][a.faces[gap.face_a]], least)
         missing[j][b.faces[gap.face_b]] = np.maximum(missing[j][b.faces[gap.face_b]], least)
         for mine, other, first, second in ((i, j, a, b), (j, i, b, a)):
-            samples, corners = _samples(first, np.flatnonzero(_within(first.vertices, second, reach_mm)))
+            samples, corners = _samples(first, np.flatnonzero(crowded[mine] & _within(first.vertices, second, reach_mm)))
             distance, _place, face = closest_points_in(trees[other], samples)
             lacking = np.where(distance < reach_mm, (reach_mm - distance) * MORE / 2, 0.0)
             np.maximum.at(missing[mine], corners, lacking[:, None])

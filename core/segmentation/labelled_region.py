@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_fill_holes, find_objects, label
+from scipy.ndimage import binary_dilation, binary_fill_holes, find_objects, label
 
 from core.segmentation.tetrahedral_grid import NEIGHBOURS
 
@@ -23,7 +23,8 @@ class LabelledRegion:
     """A tissue in the grid of all.
 
     low: (3,) its first voxel there. inside: (I, J, K) with `PAD` voxels of nothing around. labelled: voxels of the labels that
-    stayed, filled: voxels of cavities, dropped: voxels of islands that went, in `islands` pieces.
+    stayed, filled: voxels of cavities, dropped: voxels of islands that went, in `islands` pieces. sealed: voxels it was given so
+    that it encloses what it encloses at the sides of voxels.
     """
 
     name: str
@@ -33,6 +34,7 @@ class LabelledRegion:
     filled: int
     dropped: int
     islands: int
+    sealed: int
 
 
 def number_tissues(labels: NDArray[np.uint16], names: Mapping[int, str]) -> tuple[NDArray[np.uint16], tuple[str, ...]]:
@@ -54,25 +56,40 @@ def find_regions(
 
     Pieces hang together, and enclose, along the edges of the tetrahedral grid: then the surface of each has as many pieces.
     """
-    boxes = find_objects(numbers, max_label=len(tissues))
-    gone = []
-    for number, box in enumerate(boxes, start=1):
-        if box is not None:
-            gone.append(_drop_islands(numbers[box], number, islands, least_voxels))
-        else:
-            gone.append((0, 0))
+    boxes = [(slice(0, 1),) * 3 if box is None else box for box in find_objects(numbers, max_label=len(tissues))]
+    gone = [_drop_islands(numbers[box], number, islands, least_voxels) for number, box in enumerate(boxes, start=1)]
+    sealed = [0] * len(tissues)
+    if cavities == "fill":
+        sealed = [_seal(numbers[box], number) for number, box in enumerate(boxes, start=1)]
+        # a voxel that was given away may have been a bridge
+        again = [_drop_islands(numbers[box], number, islands, least_voxels) for number, box in enumerate(boxes, start=1)]
+        gone = [(a + c, b + d) for (a, b), (c, d) in zip(gone, again, strict=True)]
     regions = []
     for number, (name, box, (dropped, count)) in enumerate(zip(tissues, boxes, gone, strict=True), start=1):
-        if box is None:
-            continue
         inside = np.pad(numbers[box] == number, PAD)
         labelled = int(inside.sum())
         low = np.array([side.start - PAD for side in box])
         if cavities == "fill":
             inside = binary_fill_holes(inside, structure=NEIGHBOURS)
         if labelled:
-            regions.append(LabelledRegion(name, low, inside, labelled, int(inside.sum()) - labelled, dropped, count))
+            filled = int(inside.sum()) - labelled
+            regions.append(LabelledRegion(name, low, inside, labelled, filled, dropped, count, sealed[number - 1]))
     return tuple(regions)
+
+
+def _seal(part: NDArray[np.uint16], number: int) -> int:
+    """Give a tissue that encloses others at the sides of voxels, but not at their edges and corners, what it lacks of them.
+
+    The voxels it encloses that touch the outside across an edge or corner become its own; their number. Without them what
+    lies inside a sheet of one voxel would reach through it on the tetrahedral grid.
+    """
+    inside = np.pad(part == number, 1)
+    filled = binary_fill_holes(inside)
+    if (filled == inside).all():
+        return 0
+    lacking = filled & ~inside & binary_dilation(~filled, structure=NEIGHBOURS)
+    part[lacking[1:-1, 1:-1, 1:-1]] = number
+    return int(lacking.sum())
 
 
 def _drop_islands(part: NDArray[np.uint16], number: int, islands: Islands, least_voxels: float) -> tuple[int, int]:

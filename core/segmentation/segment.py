@@ -35,7 +35,8 @@ class Segmented:
     """A surface and the voxels it stands for.
 
     mesh: exact in float32. voxels_mm3: volume of the voxels, cavities that were filled among them. labelled, filled, dropped:
-    voxels of the labels that stayed, of cavities that were filled, of islands that went. islands: their number.
+    voxels of the labels that stayed, of cavities that were filled, of islands that went. islands: their number. sealed: voxels a
+    tissue took from those it encloses, where it would have been open across edges of voxels.
     at_border: voxels that lie at the border of the volume, where the surface is cut off.
     """
 
@@ -45,6 +46,7 @@ class Segmented:
     filled: int
     dropped: int
     islands: int
+    sealed: int
     at_border: int
 
 
@@ -93,8 +95,7 @@ def name_labels(volume: LabelVolume, asked: SegmentParameters) -> dict[int, str]
             f"no voxel has the label {', '.join(str(label) for label in absent[:20])}; the volume has {found}",
             labels=len(absent),
         )
-    include = asked.others == "include" or (asked.others is None and not wanted)
-    names = {label: wanted.get(label, f"label_{label}") for label in counts if label in wanted or include}
+    names = {label: wanted.get(label, f"label_{label}") for label in counts if label in wanted or asked.includes_others}
     surfaces = len(set(names.values()))
     if surfaces > MOST_SURFACES:
         raise InputError(
@@ -170,5 +171,6 @@ def _segmented(region: LabelledRegion, mesh: Mesh, volume: LabelVolume) -> Segme
         filled=region.filled,
         dropped=region.dropped,
         islands=region.islands,
+        sealed=region.sealed,
         at_border=int(((voxels == 0) | (voxels == last)).any(axis=1).sum()),
     )

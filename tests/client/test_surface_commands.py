@@ -197,3 +197,24 @@ def test_the_library_sends_the_same(state: State, client: Client, tmp_path: Path
     assert set(inputs_of(state, "heal")["meshes"]) == {"skin", "fat"}
     with pytest.raises(ArgumentError):
         client.smooth(tmp_path / "nowhere.zip")
+
+
+def test_segment_sends_the_volume_and_names_of_labels(state: State, files: dict[str, str], tmp_path: Path) -> None:
+    volume = tmp_path / "head.nii.gz"
+    volume.write_bytes(b"labels")
+    names = ("--name", "2=white_matter", "--name", "41=white_matter")
+    inputs = sent(state, "segment", str(volume), *names, "--islands", "keep_above", "--min-island", "50", "--smoothing", "0")
+    assert set(inputs) == {"volume", "names", "islands", "min_island_mm3", "smoothing"}
+    assert inputs["names"] == {"2": "white_matter", "41": "white_matter"}
+    assert inputs["volume"]["href"].startswith("/v1/meshes/")
+    assert (inputs["min_island_mm3"], inputs["smoothing"]) == (50.0, 0)
+    for wrong in ("white=2", "2=", "2"):
+        assert main(["segment", str(volume), "--name", wrong]) == 2
+
+
+def test_segment_of_the_python_client(state: State, files: dict[str, str], lab: tuple[str, State]) -> None:
+    will_end(state)
+    with Client(lab[0]) as client:
+        assert client.segment(files["skin"], names={3: "csf"}, cavities="keep").verdict == "simulation_ready"
+    inputs = inputs_of(state, "segment")
+    assert (inputs["names"], inputs["cavities"]) == ({"3": "csf"}, "keep")

@@ -1,5 +1,7 @@
 /** Numbers as people read them. */
 
+import type { VolumeInfo } from "./api/types";
+
 export function sayCount(count: number): string {
   return count.toLocaleString("en");
 }
@@ -31,4 +33,10 @@ export function sayNumber(value: number): string {
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-3) return value.toExponential(2);
   return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 3);
+}
+
+/** `256 × 256 × 176 voxels, 5 labels`. */
+export function sayVoxels(volume: VolumeInfo): string {
+  const { voxels, labels } = volume;
+  return `${voxels.join(" × ")} voxels, ${labels.length} label${labels.length === 1 ? "" : "s"}`;
 }

@@ -6,11 +6,13 @@ import { referencesIn, shownMeshes } from "../src/parts/shown_meshes";
 const ID = "207ed415-8dce-4b02-af94-d30610c4aef0";
 const MESH = { type: "object", properties: { href: { type: "string", pattern: "^(/v1/meshes/x|/v1/jobs/y)$" } } };
 const PACKAGE = { type: "object", properties: { href: { type: "string", pattern: "^/v1/jobs/y$" } } };
+const VOLUME = { type: "object", properties: { href: { type: "string", pattern: "^/v1/meshes/x$" } } };
 const BOX = { type: "array", items: { type: "object", properties: { name: {}, box_mm: {} } } };
 
 test.each([
   [MESH, "reference"],
   [PACKAGE, "package"],
+  [VOLUME, "volume"],
   [{ type: "array", items: MESH }, "references"],
   [{ anyOf: [MESH, { type: "array", items: MESH }] }, "references"],
   [{ type: "object", additionalProperties: MESH }, "named_references"],
@@ -19,6 +21,8 @@ test.each([
   [BOX, "regions"],
   [{ anyOf: [{ type: "string", enum: ["auto"] }, BOX] }, "auto_or_regions"],
   [{ type: "object", additionalProperties: { type: "number" } }, "depths"],
+  [{ type: "object", additionalProperties: { type: "string" } }, "names"],
+  [{ type: "object", additionalProperties: { type: "string", nullable: true } }, "json"],
   [{ type: "string", enum: ["a", "b"] }, "choice"],
   [{ type: "boolean" }, "flag"],
   [{ type: "integer" }, "number"],
@@ -45,6 +49,7 @@ test("names stay apart", () => {
 test("references are found wherever they stand, packages are no surface", () => {
   const inputs = { skin: { href: `/v1/meshes/${ID}` }, canals: [{ href: `/v1/jobs/${ID}/results/fat` }], depth: 3 };
   expect(referencesIn(inputs)).toEqual({ skin: `/v1/meshes/${ID}`, canals: `/v1/jobs/${ID}/results/fat` });
+  expect(referencesIn({ volume: { href: `/v1/meshes/${ID}` } })).toEqual({});
   expect(referencesIn({ package: { href: `/v1/jobs/${ID}/results/package` } })).toEqual({});
 });
 

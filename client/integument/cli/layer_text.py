@@ -10,7 +10,7 @@ from integument.errors import ArgumentError
 from integument.layer import as_layer
 from integument.region import Point, Region
 
-Depth = TypeVar("Depth", float, float | str, int, str | None)
+Depth = TypeVar("Depth", float, float | str, int, str | None, str)
 NO_NUMBERS = ("nan", "inf", "infinity")  # words for numbers, not names of arrays
 
 REGION_FORM = "name:xmin,ymin,zmin:xmax,ymax,zmax:layer=depth[,layer=depth][:blend]"
@@ -55,6 +55,11 @@ def read_contact_region(text: str) -> dict[str, Any]:
 def read_volumes(texts: Iterable[str]) -> dict[str, float]:
     """Tissue -> largest tetrahedron in mm³. Raises: ArgumentError."""
     return _read_named(texts, "--max-volume", _read_depth)
+
+
+def read_label_names(texts: Iterable[str]) -> dict[str, str]:
+    """Label -> name of its surface, as the server takes it. Raises: ArgumentError."""
+    return _read_named(texts, "--name", _read_label)
 
 
 def read_priorities(texts: Iterable[str]) -> dict[str, int]:
@@ -104,6 +109,13 @@ def _read_whole(text: str, where: str) -> tuple[str, int]:
         return name, int(number)
     except ValueError:
         raise ArgumentError(f"{where}: wanted is name=number, a whole one, as skin=1") from None
+
+
+def _read_label(text: str, where: str) -> tuple[str, str]:
+    label, _sign, name = text.partition("=")
+    if not (label.isascii() and label.isdigit()) or not name:
+        raise ArgumentError(f"{where}: wanted is label=name, as 2=white_matter")
+    return str(int(label)), name
 
 
 def _read_holder(text: str, where: str) -> tuple[str, str | None]:

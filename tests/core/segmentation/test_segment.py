@@ -77,6 +77,15 @@ def test_nested_labels_are_nested_surfaces() -> None:
         assert proof.meshes[name].components == 1
 
 
+def test_a_sheet_that_is_open_across_edges_of_voxels_still_encloses() -> None:
+    volume = spheres((12.0, 10.9), centred(12.0, (1, 1, 1)))
+    found = segment(volume, ALL, GAP)
+    proof = validate({name: each.mesh for name, each in found.items()}, min_gap_mm=GAP)
+    assert proof.nesting == {"label_1": None, "label_2": "label_1"}
+    assert [mesh.genus for mesh in proof.meshes.values()] == [0, 0]
+    assert 0 < found["label_1"].sealed < 0.15 * found["label_1"].labelled
+
+
 def test_with_cavities_kept_a_shell_has_two_borders_and_both_tissues_give_way() -> None:
     _found, proof = made(spheres((12.0, 8.0), centred(12.0, (1, 1, 1))), SegmentParameters(cavities="keep"))
     shell, core = proof.meshes["label_1"], proof.meshes["label_2"]

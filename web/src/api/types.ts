@@ -36,6 +36,12 @@ export interface VertexArray {
   maximum?: number;
 }
 
+export interface VolumeInfo {
+  voxels: Vector;
+  voxel_mm: Vector;
+  labels: { label: number; voxels: number; volume_mm3: number }[];
+}
+
 export interface MeshInfo {
   id: string;
   name: string;
@@ -47,6 +53,8 @@ export interface MeshInfo {
   faces: number;
   extents_mm: Vector;
   arrays: VertexArray[];
+  /** Of a label volume, which has no faces; absent of a mesh. */
+  volume?: VolumeInfo;
   findings: Finding[];
   created: string;
 }

@@ -3,14 +3,17 @@ import type { Bounds } from "../mesh/triangles";
 import { AutoRegionsInput } from "./auto_regions_input";
 import { DepthsInput } from "./depths_input";
 import { LayersTable } from "./layers_table";
+import { NamesInput } from "./names_input";
 import { NumberInput } from "./number_input";
 import {
+  type Choice,
   hrefOf,
   meshChoices,
   namedReferences,
   packageChoices,
   ReferenceInput,
   ReferencesInput,
+  volumeChoices,
 } from "./references_input";
 import { RegionsInput } from "./regions_input";
 import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
@@ -23,6 +26,8 @@ export interface FormContext {
   jobs: readonly Job[];
   layers: readonly string[];
   arrays: readonly string[];
+  /** Of the volume that was chosen. */
+  labels: readonly number[];
   bounds: Bounds | null;
   findEars: (() => Promise<Region[]>) | null;
   onLook: (point: [number, number, number]) => void;
@@ -40,7 +45,7 @@ interface FieldProps {
   onValue: (value: unknown) => void;
 }
 
-const LABELLED: readonly Kind[] = ["reference", "package", "choice", "number", "text", "json"];
+const LABELLED: readonly Kind[] = ["reference", "package", "volume", "choice", "number", "text", "json"];
 
 export function Field(props: FieldProps) {
   const { name, schema, problem } = props;
@@ -85,10 +90,11 @@ function Control({
   switch (kind) {
     case "reference":
     case "package":
+    case "volume":
       return (
         <ReferenceInput
           id={id}
-          choices={kind === "package" ? packageChoices(context.jobs) : meshChoices(context.meshes)}
+          choices={choicesOf(kind, context)}
           href={hrefOf(value)}
           optional={!required}
           onHref={(href) => onValue(href ? { href } : undefined)}
@@ -160,6 +166,15 @@ function Control({
           onDepths={onValue}
         />
       );
+    case "names":
+      return (
+        <NamesInput
+          of={labelOf(name)}
+          names={(value ?? {}) as Record<string, string>}
+          labels={context.labels}
+          onNames={(names) => onValue(Object.keys(names).length > 0 ? names : undefined)}
+        />
+      );
     case "choice":
       return (
         <select
@@ -224,6 +239,11 @@ function Control({
         />
       );
   }
+}
+
+function choicesOf(kind: "reference" | "package" | "volume", context: FormContext): Choice[] {
+  if (kind === "package") return packageChoices(context.jobs);
+  return kind === "volume" ? volumeChoices(context.meshes) : meshChoices(context.meshes);
 }
 
 /** An object with fields of its own; one that may be left out has a switch. */

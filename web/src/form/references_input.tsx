@@ -1,4 +1,5 @@
 import type { Job, MeshInfo } from "../api/types";
+import { sayVoxels } from "../words";
 import type { Reference } from "./values";
 
 /** Choices among what the server holds. Names are text, whatever is in them. */
@@ -9,10 +10,18 @@ export interface Choice {
 }
 
 export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
-  return meshes.map((mesh) => ({
-    href: `/v1/meshes/${mesh.id}`,
-    title: `${mesh.name} (${mesh.faces.toLocaleString("en")} faces)`,
-  }));
+  return meshes
+    .filter((mesh) => !mesh.volume)
+    .map((mesh) => ({
+      href: `/v1/meshes/${mesh.id}`,
+      title: `${mesh.name} (${mesh.faces.toLocaleString("en")} faces)`,
+    }));
+}
+
+export function volumeChoices(meshes: readonly MeshInfo[]): Choice[] {
+  return meshes.flatMap(({ id, name, volume }) =>
+    volume ? [{ href: `/v1/meshes/${id}`, title: `${name} (${sayVoxels(volume)})` }] : [],
+  );
 }
 
 export function packageChoices(jobs: readonly Job[]): Choice[] {

@@ -4,6 +4,7 @@ import type { Schema } from "../api/types";
 export type Kind =
   | "reference"
   | "package"
+  | "volume"
   | "references"
   | "named_references"
   | "layers"
@@ -11,6 +12,7 @@ export type Kind =
   | "regions"
   | "auto_or_regions"
   | "depths"
+  | "names"
   | "choice"
   | "flag"
   | "number"
@@ -19,7 +21,8 @@ export type Kind =
   | "json";
 
 export function kindOf(schema: Schema): Kind {
-  if (isReference(schema)) return acceptsUploads(schema) ? "reference" : "package";
+  if (isReference(schema))
+    return acceptsUploads(schema) ? (acceptsResults(schema) ? "reference" : "volume") : "package";
   const items = schema.items;
   if (schema.type === "array" && items) {
     if (isReference(items)) return "references";
@@ -41,6 +44,7 @@ export function kindOf(schema: Schema): Kind {
     const values = typeof schema.additionalProperties === "object" ? schema.additionalProperties : null;
     if (values && isReference(values)) return "named_references";
     if (values?.type === "number") return "depths";
+    if (values?.type === "string" && !values.nullable) return "names";
     if (schema.properties) return "group";
   }
   return "json";
@@ -52,6 +56,10 @@ export function isReference(schema: Schema): boolean {
 
 function acceptsUploads(schema: Schema): boolean {
   return schema.properties?.href?.pattern?.includes("/v1/meshes/") ?? false;
+}
+
+function acceptsResults(schema: Schema): boolean {
+  return schema.properties?.href?.pattern?.includes("/v1/jobs/") ?? false;
 }
 
 /** The schema of a region among the alternatives of an input, or in its items. */

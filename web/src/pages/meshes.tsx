@@ -15,7 +15,7 @@ import { tissueColours } from "../tissues";
 import { sayLength } from "../units";
 import type { Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
-import { sayCount, sayWhen } from "../words";
+import { sayCount, sayVoxels, sayWhen } from "../words";
 
 /** The way in: drop files, say their unit, see them, go on to a job. */
 export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
@@ -26,7 +26,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   const [refused, setRefused] = useState<unknown>(null);
   const meshes = list.value?.meshes ?? [];
   const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
-  const fetched = useTriangles(chosen ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
+  const fetched = useTriangles(chosen && !chosen.volume ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
   const shown = local?.mesh ?? (chosen ? fetched.meshes[chosen.name] : undefined);
   const name = local?.name ?? chosen?.name ?? "";
   const surfaces = useMemo<Surface[]>(
@@ -84,7 +84,10 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
           <ol class="steps">
             <li class="card">
               <h2>1. Bring the skin</h2>
-              <p class="muted">A closed surface of a body or a head, as STL, MAT, PLY or OBJ, in any of four units.</p>
+              <p class="muted">
+                A closed surface of a body or a head, as STL, MAT, PLY or OBJ, in any of four units; or labels of
+                tissues, as NIfTI.
+              </p>
             </li>
             <li class="card">
               <h2>2. Choose layers and ears</h2>
@@ -106,9 +109,11 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
               label={`3D view of ${name}`}
               surfaces={surfaces}
               onViewer={setViewer}
-              loading={chosen && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""}
+              loading={
+                chosen && !chosen.volume && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""
+              }
               failure={fetched.failure}
-              empty="Choose a mesh to see it."
+              empty={chosen?.volume ? "Make surfaces of its labels to see it." : "Choose a mesh to see it."}
             />
             {shown?.thinned && (
               <p class="muted small">
@@ -136,17 +141,17 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                     <span class="muted small">{sayWhen(mesh.created)}</span>
                   </div>
                   <span class="muted small">
-                    {sayCount(mesh.faces)} faces · {mesh.extents_mm.map(sayLength).join(" × ")} ·{" "}
-                    {mesh.format.toUpperCase()} in {mesh.unit}
+                    {mesh.volume ? sayVoxels(mesh.volume) : `${sayCount(mesh.faces)} faces`} ·{" "}
+                    {mesh.extents_mm.map(sayLength).join(" × ")} · {mesh.format.toUpperCase()} in {mesh.unit}
                   </span>
                   {mesh === chosen && (
                     <>
                       {mesh.findings.length > 0 && <Findings findings={mesh.findings} onPlace={fly} />}
-                      <QuickCheck mesh={mesh} onPlace={fly} />
+                      {!mesh.volume && <QuickCheck mesh={mesh} onPlace={fly} />}
                     </>
                   )}
                   <div class="row">
-                    <a class="button primary" href={`#/new?mesh=${mesh.id}`}>
+                    <a class="button primary" href={`#/new?mesh=${mesh.id}${mesh.volume ? "&process=segment" : ""}`}>
                       Set up a job
                     </a>
                     {mesh !== chosen && (

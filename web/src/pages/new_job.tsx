@@ -50,7 +50,9 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   useEffect(() => {
     if (!inputs || !wantedMesh) return;
     const href = `/v1/meshes/${wantedMesh}`;
-    const first = Object.entries(inputs).find(([, one]) => ["reference", "references"].includes(kindOf(one.schema)));
+    const first = Object.entries(inputs).find(([, one]) =>
+      ["reference", "references", "volume"].includes(kindOf(one.schema)),
+    );
     if (first && values[first[0]] === undefined) {
       set(first[0], kindOf(first[1].schema) === "references" ? [{ href }] : { href });
     }
@@ -76,7 +78,9 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   const shownName = Object.entries(inputs ?? {}).find(([name]) => hrefOf(values[name]))?.[0];
   const shownHref = shownName ? hrefOf(values[shownName]) : "";
   const mesh = meshes.value?.meshes.find((one) => shownHref.endsWith(one.id));
-  const triangles = useTriangles(shownHref && !shownHref.endsWith("/package") ? { skin: shownHref } : {});
+  const triangles = useTriangles(
+    shownHref && !shownHref.endsWith("/package") && !mesh?.volume ? { skin: shownHref } : {},
+  );
   const shown = triangles.meshes.skin;
   const surfaces = useMemo<Surface[]>(
     () =>
@@ -124,6 +128,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
       ? asLayers(values[layerInput[0]] ?? layerInput[1].schema.default).map((layer) => layer.name)
       : [],
     arrays: mesh?.arrays.map((array) => array.name) ?? [],
+    labels: mesh?.volume?.labels.map((one) => one.label) ?? [],
     bounds: shown ? { min: shown.min, max: shown.max } : null,
     findEars: mesh ? () => findEars(mesh.id) : null,
     onLook: (point) => viewer?.flyTo(point),
@@ -158,7 +163,9 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             boxes={boxes}
             onBox={moveBox}
             onViewer={setViewer}
-            loading={shownHref && !shown && triangles.loading && !triangles.failure ? "Loading the mesh…" : ""}
+            loading={
+              shownHref && !mesh?.volume && !shown && triangles.loading && !triangles.failure ? "Loading the mesh…" : ""
+            }
             failure={triangles.failure}
             empty="Choose a mesh to see it here."
           />

@@ -1,6 +1,6 @@
 import { useRef, useState } from "preact/hooks";
 
-const KINDS = ".stl,.mat,.ply,.obj";
+const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz";
 
 /** Where files land: by dragging, or by the usual dialog. */
 export function DropZone({ onFiles, small = false }: { onFiles: (files: File[]) => void; small?: boolean }) {
@@ -31,7 +31,7 @@ export function DropZone({ onFiles, small = false }: { onFiles: (files: File[]) 
         <button type="button" class="primary" onClick={() => input.current?.click()}>
           Choose files…
         </button>
-        <span class="muted">or drop them: STL, MAT, PLY, OBJ</span>
+        <span class="muted">or drop them: STL, MAT, PLY, OBJ, NIfTI</span>
       </div>
       <input
         ref={input}

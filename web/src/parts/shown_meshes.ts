@@ -24,9 +24,12 @@ export function referencesIn(value: unknown, name = "surface"): Record<string, s
     return path ? { [name]: path } : {};
   }
   if (typeof value !== "object" || value === null) return {};
-  const parts = Object.entries(value).map(([key, one]) => {
-    if (Array.isArray(value)) return referencesIn(one, value.length > 1 ? `${name} ${Number(key) + 1}` : name);
-    return referencesIn(one, key === "href" ? name : key);
-  });
+  // a label volume has no triangles
+  const parts = Object.entries(value)
+    .filter(([key]) => key !== "volume")
+    .map(([key, one]) => {
+      if (Array.isArray(value)) return referencesIn(one, value.length > 1 ? `${name} ${Number(key) + 1}` : name);
+      return referencesIn(one, key === "href" ? name : key);
+    });
   return Object.assign({}, ...parts) as Record<string, string>;
 }

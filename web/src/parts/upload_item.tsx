@@ -29,7 +29,8 @@ export function UploadItem(props: {
   const [error, setError] = useState<unknown>(null);
   const [extents, setExtents] = useState<number[] | null>(null);
   const [faces, setFaces] = useState(0);
-  const [unit, setUnit] = useState<Unit | "">("");
+  // the header of a volume tells its unit
+  const [unit, setUnit] = useState<Unit | "">(/\.nii(\.gz)?$/i.test(file.name) ? "mm" : "");
   const [making, setMaking] = useState(false);
   const [turn, setTurn] = useState(0);
   const sending = useRef<Sending | null>(null);

@@ -1,0 +1,73 @@
+"""The command `segment`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import typer
+
+from integument.cli.app import options_of
+from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.layer_text import read_label_names
+from integument.cli.mesh_argument import require_mesh
+from integument.cli.mesh_reference import refer_to
+from integument.cli.options import PackageOption, ReportOption
+from integument.cli.session import connect
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(segment)
+
+
+def segment(
+    ctx: typer.Context,
+    volume: Annotated[str, typer.Argument(help="Label volume (.nii, .nii.gz), or /v1/meshes/{id} of one the server holds.")],
+    name: Annotated[
+        list[str] | None,
+        typer.Option(metavar="LABEL=NAME", help="Label and the name of its surface; repeat; labels of one name become one."),
+    ] = None,
+    others: Annotated[
+        Literal["auto", "include", "ignore"] | None,
+        typer.Option(help="Labels without a name; auto, the default, ignores them if there are names."),
+    ] = None,
+    islands: Annotated[
+        Literal["keep_largest", "keep_above", "keep_all"] | None,
+        typer.Option(help="Which pieces of a label stay; default keep_largest."),
+    ] = None,
+    min_island: Annotated[
+        float | None, typer.Option(metavar="MM3", help="For keep_above: smallest volume of a piece; default 100.")
+    ] = None,
+    cavities: Annotated[
+        Literal["fill", "keep"] | None,
+        typer.Option(help="A surface is the outer border of its label (fill, default), or all of it."),
+    ] = None,
+    smoothing: Annotated[int | None, typer.Option(metavar="N", help="Steps of Taubin smoothing; default 10, 0 for none.")] = None,
+    faces_share: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Share of the faces that stays; default 0.33.")
+    ] = None,
+    min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Gap between every two surfaces; default 0.1.")] = None,
+    output: PackageOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Make closed surfaces of the labels of a volume, kept apart by a gap."""
+    options = options_of(ctx)
+    given: dict[str, Any] = {
+        "names": read_label_names(name or []) or None,
+        "others": others,
+        "islands": islands,
+        "min_island_mm3": min_island,
+        "cavities": cavities,
+        "smoothing": smoothing,
+        "faces_share": faces_share,
+        "min_gap_mm": min_gap,
+    }
+    inputs = {key: value for key, value in given.items() if value is not None}
+    wanted = Wanted({} if output is None else {"package": output}, report)
+    wanted.require_room()
+    require_mesh(volume)
+    with connect(options) as session:
+        view = options.progress_view()
+        with view:
+            inputs["volume"] = refer_to(session, view, volume, "mm")
+        raise typer.Exit(run_to_end(session, options, "segment", inputs, wanted))

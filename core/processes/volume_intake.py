@@ -1,0 +1,62 @@
+"""Intake of a label volume: read, told in numbers, written in canonical form. Runs in the limited child, called by `intake`."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.io.canonical_volume import save_volume
+from core.io.extents import check_extents
+from core.io.naming import clean_name
+from core.io.nifti import read_volume
+from core.io.unit import Unit
+from core.label_volume import LabelVolume
+
+FACES_PER_SIDE = 6  # of the first surface, measured on spheres, for each side of a voxel between two labels
+
+
+def take_in_volume(path: Path, file_name: str, unit: Unit, out_dir: Path) -> dict[str, Any]:
+    """As `intake.run` of a mesh, with "volume": {"voxels", "voxel_mm", "affine", "labels": [{"label", "voxels", "volume_mm3"}],
+    "expected_faces"}; vertices and faces are 0. Raises: as `core.io.nifti.read_volume`."""
+    volume, findings = read_volume(path, unit)
+    name = clean_name(Path(Path(file_name).stem).stem, "volume")  # without .nii.gz
+    target = out_dir / "0.mesh"
+    save_volume(volume, target)
+    extents = _extents_mm(volume)
+    noticed = (*findings, *check_extents(extents, unit, name))
+    mesh = {"name": name, "path": str(target), "vertices": 0, "faces": 0, "extents_mm": extents.tolist(), "arrays": []}
+    return {
+        "format": "nifti",
+        "meshes": [mesh],
+        "findings": [finding.model_dump(mode="json") for finding in noticed],
+        "volume": {
+            "voxels": list(volume.labels.shape),
+            "voxel_mm": volume.voxel_mm().tolist(),
+            "affine": volume.affine.tolist(),
+            "labels": [
+                {"label": label, "voxels": count, "volume_mm3": count * volume.voxel_mm3()}
+                for label, count in volume.counts().items()
+            ],
+            "expected_faces": FACES_PER_SIDE * _sides_between_labels(volume),
+        },
+    }
+
+
+def _extents_mm(volume: LabelVolume) -> NDArray[np.float64]:
+    """Of the box around all labelled voxels, (3,), along x, y and z."""
+    used = volume.labels > 0
+    ranges = [np.flatnonzero(used.any(axis=others))[[0, -1]] for others in ((1, 2), (0, 2), (0, 1))]
+    corners = np.array(list(product(*((low - 0.5, high + 0.5) for low, high in ranges))))
+    extents: NDArray[np.float64] = np.ptp(volume.places_mm(corners), axis=0)
+    return extents
+
+
+def _sides_between_labels(volume: LabelVolume) -> int:
+    labels = volume.labels
+    inner = sum(int((np.diff(labels, axis=axis) != 0).sum()) for axis in range(3))
+    outer = sum(int((labels.take(place, axis=axis) > 0).sum()) for axis in range(3) for place in (0, -1))
+    return inner + outer
