@@ -14,6 +14,9 @@ from core.processes.proof import validate_once
 from core.processes.surface_package import PROOF, SurfaceJob, deliver_surfaces
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.change_places import draw_change_places
+from core.reports.figures.figure import Figure
+from core.reports.figures.opened_gaps import draw_opened_gaps
+from core.reports.palette import tissue_colours
 from core.run import RunContext
 from core.schema.finding import Severity
 from core.schema.report import PairReport, Report
@@ -61,7 +64,7 @@ def run_separate(inputs: SeparateInputs, meshes: Mapping[str, Mapping[str, Any]]
         references=REFERENCES,
         parameters=asked,
         changes=describe(made, inputs),
-        draw=lambda report: draw_change_places({name: made.tissues[name].mesh for name in report.meshes}, report.changes),
+        draw=lambda report: _draw(made, report),
     )
     return deliver_surfaces(job, run.stage("deliver", 0.6, 1.0), out_dir)
 
@@ -87,6 +90,14 @@ def _summary(report: Report, before: Validation, made: Separation) -> str:
     ]
     moved = f"Moved {'; '.join(rows)}" if rows else "Nothing had to move"
     return f"{_apart(report.pairs)}, where there were {crossing} intersecting pairs of faces. {moved}."
+
+
+def _draw(made: Separation, report: Report) -> tuple[Figure, ...]:
+    """Sections before and after, then all places circled."""
+    before = {name: made.tissues[name].original for name in report.meshes}
+    after = {name: made.tissues[name].mesh for name in report.meshes}
+    parted = draw_opened_gaps(before, after, tissue_colours(list(after)))
+    return (*([parted] if parted else []), *draw_change_places(after, report.changes))
 
 
 def _apart(pairs: tuple[PairReport, ...]) -> str:

@@ -14,6 +14,8 @@ from core.geometry.triangle_distance import nearer
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+COINCIDENT_MM = 1e-4  # nearer than this, nobody can tell on which side a face lies
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Contacts:

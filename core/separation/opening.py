@@ -9,11 +9,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.geometry.containment import is_inside
 from core.run import RunContext
-from core.separation.contacts import Contacts, find_contacts
+from core.separation.contacts import COINCIDENT_MM, Contacts, find_contacts
 from core.separation.demand import Demand, find_demand
 from core.separation.relations import Relation
+from core.separation.sides import are_vertices_inside
 from core.separation.tissue import Tissue
 
 Floats = NDArray[np.float64]
@@ -90,12 +90,12 @@ def open_gaps(
 def _find_wrong(tissues: Mapping[str, Tissue], relations: Relations) -> dict[tuple[str, str], Ints]:
     """Vertices of a on the wrong side of b, for every ordered pair."""
     found = {}
-    for (a, b), relation in relations.items():
-        vertices, box = tissues[a].vertices, tissues[b].tree.boxes[0]
-        within = np.zeros(len(vertices), dtype=np.bool_)
-        near = np.flatnonzero(((vertices >= box[:3]) & (vertices <= box[3:])).all(axis=1))
-        within[near] = is_inside(tissues[b].tree, vertices[near])
-        found[a, b] = np.flatnonzero(within != (relation == "inside"))
+    for a, b in combinations(tissues, 2):
+        meeting = find_contacts(tissues[a].tree, tissues[b].tree, COINCIDENT_MM)
+        for (name, partner), contacts in zip(((a, b), (b, a)), meeting, strict=True):
+            vertices, faces = tissues[name].vertices, tissues[name].original.faces
+            within = are_vertices_inside(vertices, faces, tissues[partner].tree, contacts.faces)
+            found[name, partner] = np.flatnonzero(within != (relations[name, partner] == "inside"))
     return found
 
 

@@ -13,18 +13,17 @@ from numpy.typing import NDArray
 from core.errors import InputError
 from core.geometry.adjacency import edges
 from core.geometry.components import face_components
-from core.geometry.containment import is_inside
 from core.geometry.distance import closest_points_in
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_areas
 from core.mesh import Mesh
-from core.separation.contacts import find_contacts
+from core.separation.contacts import COINCIDENT_MM, find_contacts
+from core.separation.sides import are_faces_inside
 
 Relation = Literal["inside", "around", "beside"]
 Floats = NDArray[np.float64]
 
 CLEAR_SHARE = 0.75  # of a surface's area: from here on it counts as inside, below the rest to 1 as outside
-COINCIDENT_MM = 1e-4  # nearer than this, nobody can tell on which side a face lies
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,14 +109,11 @@ def _shares(a: str, b: str, meshes: Mapping[str, Mesh], trees: Mapping[str, Face
     coincident = find_contacts(trees[a], trees[b], COINCIDENT_MM)
     shares = []
     for name, other, contacts in ((a, b, coincident[0]), (b, a, coincident[1])):
-        middles = meshes[name].triangles().mean(axis=1)
-        clear = np.ones(len(middles), dtype=np.bool_)
-        clear[contacts.faces] = closest_points_in(trees[other], middles[contacts.faces])[0] > COINCIDENT_MM
-        box = trees[other].boxes[0]
-        near = np.flatnonzero(clear & ((middles >= box[:3]) & (middles <= box[3:])).all(axis=1))
-        within = np.zeros(len(middles), dtype=np.bool_)
-        within[near] = is_inside(trees[other], middles[near])
-        shares.append(_share(meshes[name], clear, within))
+        mesh = meshes[name]
+        clear = np.ones(len(mesh.faces), dtype=np.bool_)
+        middles = mesh.vertices[mesh.faces[contacts.faces]].mean(axis=1)
+        clear[contacts.faces] = closest_points_in(trees[other], middles)[0] > COINCIDENT_MM
+        shares.append(_share(mesh, clear, are_faces_inside(mesh.vertices, mesh.faces, trees[other], contacts.faces)))
     if shares[0] is None and shares[1] is None:
         raise InputError("separate.identical", f"{a} and {b} are the same surface: neither is inside the other", a=a, b=b)
     return shares[0] or NOWHERE, shares[1] or NOWHERE

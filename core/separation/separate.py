@@ -25,7 +25,8 @@ from core.validation.requirements import require_outward_surface
 
 Floats = NDArray[np.float64]
 
-EASING_ROUNDS = 6
+EASING_ROUNDS = 5
+TOGETHER_ROUNDS = 2  # of them, in which all vertices of a surface try at once
 EASED = 1.001  # of the gap: what vertices on their way home keep
 SLACK = 1e-9  # of the gap: the same minimum found on another path through the trees
 
@@ -100,10 +101,8 @@ def _ease(tissues: Mapping[str, Tissue], gap_mm: float, run: RunContext) -> None
         moved = 0
         for name, tissue in tissues.items():
             others = tuple(other.tree for partner, other in tissues.items() if partner != name)
-            moved += tissue.ease(others, clearance)
+            moved += tissue.ease(others, clearance, one_by_one=count >= TOGETHER_ROUNDS)
         run.advance((count + 1) / EASING_ROUNDS, f"{moved} vertices moved back")
-        if moved == 0:
-            break
 
 
 def _prove(tissues: Mapping[str, Tissue], gap_mm: float) -> dict[tuple[str, str], float]:

@@ -13,6 +13,7 @@ from core.geometry.normals import mean_normals
 from core.geometry.quality import quality
 from core.mesh import Mesh, Vertices
 from core.separation.spread import least_lengths, spread
+from core.shells.independent_sets import independent_sets
 from core.smoothing.guarded_step import OWN_CLEARANCE_MM, GuardedSurface
 
 Floats = NDArray[np.float64]
@@ -20,6 +21,7 @@ Ints = NDArray[np.int64]
 
 LEAST_QUALITY = 0.05  # q to which a face may fall ...
 LOST_QUALITY = 0.5  # ... or, where it is poorer, the share of its q it may lose
+HELD_SHARE = 0.5  # of a move: a vertex that misses more of it tries again alone
 LEAST_NORMAL = 0.5  # length of n0 below which Eq. 4.1 would throw the tip of a spike too far
 
 
@@ -76,12 +78,23 @@ class Tissue:
         """Further displacements (V, 3) mm, spread and as far as the surface stays sound; returns how many vertices moved."""
         if self.surface is None:
             return 0
-        total = self.displacement() + wish
-        total = spread(self.original.vertices, self.surface.net.neighbours, total)
-        return self._go(self.surface, shortened(total, longest_mm), ())
+        before, total = self.displacement(), self.displacement() + wish
+        total = shortened(spread(self.original.vertices, self.surface.net.neighbours, total), longest_mm)
+        moved = self._go(self.surface, total, ())
+        # one vertex that cannot move takes its neighbours' moves back with it: try those by themselves
+        missing = np.linalg.norm(total - self.displacement(), axis=1)
+        held = missing > HELD_SHARE * np.maximum(np.linalg.norm(total - before, axis=1), 1e-300)
+        for alone in independent_sets(self.surface.net, held):
+            place = self.displacement()
+            place[alone] = total[alone]
+            moved += self._go(self.surface, place, ())
+        return moved
 
-    def ease(self, obstacles: tuple[FaceTree, ...], clearance: Clearance) -> int:
-        """Back towards the original places as far as the clearance to the obstacles allows; returns how many vertices moved."""
+    def ease(self, obstacles: tuple[FaceTree, ...], clearance: Clearance, *, one_by_one: bool) -> int:
+        """Back towards the original places as far as the clearance to the obstacles allows; returns how many moves there were.
+
+        A vertex that cannot go back holds its neighbours; one by one they go without it.
+        """
         if self.surface is None:
             return 0
         self.surface.clearance = clearance
@@ -90,7 +103,14 @@ class Tissue:
         # what lies on the slope of a neighbour's move stays with it; everything else tries to go home
         least = least_lengths(self.original.vertices, self.surface.net.neighbours, length)
         share = np.minimum(least / np.maximum(length, 1e-300), 1.0)
-        return self._go(self.surface, share[:, None] * total, obstacles)
+        if not one_by_one:
+            return self._go(self.surface, share[:, None] * total, obstacles)
+        moved = 0
+        for alone in independent_sets(self.surface.net, share < 1.0):
+            wish = self.displacement()
+            wish[alone] *= share[alone, None]
+            moved += self._go(self.surface, wish, obstacles)
+        return moved
 
     def _go(self, surface: GuardedSurface, displacement: Floats, obstacles: tuple[FaceTree, ...]) -> int:
         proposal = (self.original.vertices + displacement).astype(np.float32).astype(np.float64)
