@@ -1,4 +1,7 @@
-"""What the tests need of Debian: a Chromium for the web page, X libraries for gmsh. What is missing is installed as root."""
+"""What the tests need of Debian: a Chromium for the web page, X libraries for gmsh, programs that the docs' code blocks use.
+
+What is missing is installed as root.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import sys
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 CHROMIUM = ("chromium", "fonts-liberation")
+PROGRAMS = {"curl": "curl", "jq": "jq", "octave-cli": "octave", "unzip": "unzip"}  # Octave runs what the pages show for MATLAB
 GMSH_LIBRARIES = {
     "GLU": "libglu1-mesa",
     "Xft": "libxft2",
@@ -22,7 +26,9 @@ GMSH_LIBRARIES = {
 def missing_packages() -> list[str]:
     """Names of Debian's packages."""
     browser = () if any(shutil.which(name) for name in CHROMIUM_NAMES) else CHROMIUM
-    return [*browser, *(package for library, package in GMSH_LIBRARIES.items() if ctypes.util.find_library(library) is None)]
+    libraries = (package for library, package in GMSH_LIBRARIES.items() if ctypes.util.find_library(library) is None)
+    programs = (package for program, package in PROGRAMS.items() if shutil.which(program) is None)
+    return [*browser, *libraries, *programs]
 
 
 def main() -> int:

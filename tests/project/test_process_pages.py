@@ -33,10 +33,16 @@ def test_table_names_every_input_and_no_other(process: str) -> None:
 
 
 @pytest.mark.parametrize("process", sorted(PROCESSES))
+def test_readme_leads_to_the_page(process: str) -> None:
+    assert f"(docs/processes/{process}.md)" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("process", sorted(PROCESSES))
 def test_defaults_are_those_of_the_schema(process: str) -> None:
     schemas, wrong = properties(process), {}
     for keys, told in rows(process):
-        for key, cell in zip(keys, told.split(", "), strict=False) if len(told.split(", ")) == len(keys) else ((keys[0], told),):
+        cells = told.split("; " if ";" in told else ", ")
+        for key, cell in zip(keys, cells, strict=True) if len(cells) == len(keys) else ((keys[0], told),):
             default = schemas[key].get("default")
             if isinstance(default, bool | int | float | str):  # null and lists are told in words
                 word = default if isinstance(default, str) else json.dumps(default)
