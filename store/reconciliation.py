@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterable
 from datetime import datetime, timedelta
 
@@ -66,11 +68,14 @@ class Reconciliation:
                 .values(rung_at=self._db.now(session))
             )
 
-    def expire_leases(self, now: datetime | None = None) -> list[Job]:
-        """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`."""
+    def expire_leases(self, now: datetime | None = None, within_s: float = math.inf) -> list[Job]:
+        """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`.
+
+        Nobody if the database takes longer than `within_s` to tell the time: while it hung nobody could renew his lease."""
+        asked_at = time.monotonic()
         with self._db.session() as session:
             moment = now or self._db.now(session)
-            return self._expire(session, moment, moment)
+            return self._expire(session, moment, moment) if time.monotonic() - asked_at <= within_s else []
 
     def expire_all_leases(self, *, worker_crashed: bool = False) -> list[Job]:
         """The same for every running job, where no worker is alive: in a service that has its database for itself.

@@ -44,6 +44,8 @@ class Reconciler:
         self._tidied_at = self._swept_at = -SWEEP_S
         self._heard_at = time.monotonic()  # when the database last answered
         self._patient_until = 0.0
+        self._was_patient = False  # and no lease was looked at since
+        self._was_away = False
 
     def start(self) -> None:
         """Begin with a look at once."""
@@ -65,7 +67,7 @@ class Reconciler:
         if time.monotonic() - self._tidied_at >= SWEEP_S:
             self.tidy()
             self._tidied_at = time.monotonic()
-        leads = self._leadership.campaign()
+        leads = self._campaign()
         self._note_outage()
         if leads != self._leads:
             logger.info("%s %s the reconciler", self._workshop.name, "is now" if leads else "is no longer")
@@ -78,15 +80,23 @@ class Reconciler:
             self.sweep()
             self._swept_at = time.monotonic()
 
+    def _campaign(self) -> bool:
+        asked_at, known = time.monotonic(), self._was_away
+        self._was_away = True  # unless it answers, and soon
+        leads = self._leadership.campaign()
+        self._was_away = known or time.monotonic() - asked_at > self._workshop.settings.lease_s / 4
+        return leads
+
     def _note_outage(self) -> None:
         """A lease that lapsed while nobody could renew it says nothing about its holder: after a time without the database,
-        whoever is alive gets the time to say so."""
+        whoever is alive gets the time to say so. Where only this thread was late, as on a machine that is much too busy, once:
+        then leases are looked at before there is such a time again."""
         now, settings = time.monotonic(), self._workshop.settings
-        if now - self._heard_at > settings.lease_s / 2 and now >= self._patient_until:
+        if now - self._heard_at > settings.lease_s / 2 and (self._was_away or not self._was_patient):
             patience_s = patience_after_outage_s(settings)
             logger.warning("the database was away for %.0f s: no lease is ended for %g s", now - self._heard_at, patience_s)
-            self._patient_until = now + patience_s
-        self._heard_at = now
+            self._patient_until, self._was_patient = now + patience_s, True
+        self._heard_at, self._was_away = now, False
 
     def tidy(self) -> None:
         """Remove the folders of attempts nobody works on, of this host."""
@@ -95,8 +105,10 @@ class Reconciler:
 
     def reconcile(self) -> bool:
         """Lost leases first, then whoever waits unheard; False if the broker does not answer."""
-        for job in self._workshop.jobs.expire_leases() if time.monotonic() >= self._patient_until else ():
-            logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
+        if time.monotonic() >= self._patient_until:
+            for job in self._workshop.jobs.expire_leases(within_s=self._workshop.settings.lease_s / 4):
+                logger.warning("job %s: its worker fell silent; it is %s now, attempt %d", job.id, job.status, job.attempt)
+            self._was_patient = False
         for job in self._fail_unfit():
             logger.warning("job %s: no worker host can hold it", job.id)
         for job in self._workshop.cohorts.close_ended():

@@ -7,6 +7,7 @@ import signal
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -19,7 +20,7 @@ from tests.postgres import running_postgres
 from tests.valkey import ValkeyServer
 from tests.worker.conftest import LIMIT_S, Service, make_settings
 from worker.liveness import Liveness
-from worker.reconciler import OFFICE, Reconciler
+from worker.reconciler import OFFICE, Reconciler, patience_after_outage_s, recovery_s
 from worker.workshop import Workshop
 
 
@@ -122,3 +123,29 @@ def test_after_an_outage_of_the_database_the_living_keep_their_jobs(tmp_path: Pa
         assert workshop.jobs.get(DEFAULT_WORKSPACE, alive.id).attempt == 1
         reconciler.stop()
         workshop.close()
+
+
+def test_the_settings_promise_a_killed_workers_job_within_a_minute(tmp_path: Path) -> None:
+    settings = Settings(data_dir=tmp_path)
+    assert patience_after_outage_s(settings) == 17.0
+    assert recovery_s(settings) == 30.0 + 17.0 + 5.0
+    short = settings.model_copy(update={"lease_s": 6.0, "reconcile_s": 2.0})
+    assert patience_after_outage_s(short) == 6.0
+    assert recovery_s(short) == 8.0 + 6.0 + 2.0, "the leader is followed later than the lease lapses"
+
+
+def test_late_rounds_do_not_put_off_the_end_of_a_lease_for_ever(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine so loaded that every round comes late, and a worker that is gone."""
+    reconciler, now = Reconciler(workshop, Liveness(workshop.settings)), [1000.0]
+    monkeypatch.setattr("worker.reconciler.time", SimpleNamespace(monotonic=lambda: now[0]))
+    reconciler._heard_at = now[0]
+    job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {})
+    assert workshop.jobs.claim(job.id, 1, "gone", 0.0) is not None
+    late_s, patience_s = workshop.settings.lease_s * 0.75, patience_after_outage_s(workshop.settings)
+    looks, killed_at = 0, now[0]
+    while workshop.jobs.get(DEFAULT_WORKSPACE, job.id).attempt == 1:
+        now[0] += late_s
+        reconciler.look()
+        looks += 1
+        assert now[0] - killed_at <= patience_s + 2 * late_s, looks
+    assert looks > 1, "the first late round gives the living their time"
