@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.io.registry import write_mesh
 from core.package import gmsh, nastran, openmeeg, smesh
@@ -22,16 +25,23 @@ from core.package.requirements import require_packable
 from core.package.tissue import Tissue
 from core.reports.figures.figure import Figure
 from core.reports.html import render_html
-from core.reports.scene.scene import make_scene
+from core.reports.scene.scene import NO_DEPTHS, make_scene
 from core.schema.report import Report
 
 LONE_MM = 0.04  # how far below a surface without neighbours its region's point may be, times four
 
 
-def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, figures: Sequence[Figure]) -> Report:
+def build_package(
+    out_path: Path,
+    tissues: Sequence[Tissue],
+    report: Report,
+    figures: Sequence[Figure],
+    depths_mm: Mapping[str, NDArray[np.float64]] = NO_DEPTHS,
+) -> Report:
     """Write the zip of spec section 3 and return its report, which names the checksums of the delivered STL files.
 
-    Needs:    tissues in nesting order, float32-exact; input checksums as `sha256` in the parameters of the report.
+    Needs:    tissues in nesting order, float32-exact; input checksums as `sha256` in the parameters of the report; depths_mm
+              as `make_scene` takes them.
     Promises: same tissues, report and figures: the same bytes. The STL files are those of `write_mesh(mesh, path, "stl",
               name)`; MAT holds the same vertices bit for bit, in class double.
     Raises:   InternalError `package.name_refused`, `package.not_nested`, `package.not_rounded`.
@@ -43,7 +53,7 @@ def build_package(out_path: Path, tissues: Sequence[Tissue], report: Report, fig
             _write_surfaces(folder, tissue)
         checksums = {tissue.name: _sha256(folder / "stl" / f"{tissue.name}.stl") for tissue in tissues}
         packed = _with_checksums(report, checksums)
-        scene = make_scene({tissue.name: tissue.mesh for tissue in tissues})
+        scene = make_scene({tissue.name: tissue.mesh for tissue in tissues}, depths_mm)
         _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
         _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
         _write_solver_files(folder, tissues, report)

@@ -72,7 +72,7 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     figures = (*job.draw(surfaces), *drawn)
     run.stage("package", 0.94, 1.0)
     package = out_dir / "package.zip"
-    packed = build_package(package, tissues, report, figures)
+    packed = build_package(package, tissues, report, figures, depths)
     require_unchanged(package, delivered)
     return Outcome(
         packed,
@@ -81,7 +81,8 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
             OutputFile("package", Path(package.name), "application/zip", package.name),
             *(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in surfaces),
         ),
-        delivered,
+        surfaces,
+        depths,
     )
 
 

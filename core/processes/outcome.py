@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from core.mesh import Mesh
 from core.reports.figures.figure import Figure
 from core.schema.report import Report
@@ -37,12 +40,14 @@ class Outcome:
     """The end of a process; `report.verdict` may be not_ready though it did what it promises.
 
     surfaces: what the report shows in 3D; one whose name ends with `BEFORE` is hidden until asked for.
+    depths_mm: distance of vertices (V,) or faces (F,) of some of them to the skin, to be painted on them.
     """
 
     report: Report
     figures: tuple[Figure, ...]
     files: tuple[OutputFile, ...] = ()
     surfaces: Mapping[str, Mesh] = field(default_factory=dict)
+    depths_mm: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 def with_originals(results: Mapping[str, Mesh], originals: Mapping[str, Mesh]) -> dict[str, Mesh]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
@@ -32,6 +33,7 @@ def browser() -> Iterator[Browser]:
 def report_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     skin = flipped(body(0), [100])
     surfaces = {"skin": skin, HOSTILE: skin.with_vertices(skin.vertices * 0.97 + (0.0, 0.0, 20.0))}
+    depths = np.linalg.norm(surfaces[HOSTILE].vertices - skin.vertices, axis=1)
     found = validate(surfaces)
     report = Report(
         process="validate",
@@ -44,7 +46,8 @@ def report_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     path = tmp_path_factory.mktemp("mailed") / "report.html"
     path.write_text(
-        render_html(report, draw_mesh_figures(surfaces, findings=found.findings), make_scene(surfaces)), encoding="utf-8"
+        render_html(report, draw_mesh_figures(surfaces, findings=found.findings), make_scene(surfaces, {HOSTILE: depths})),
+        encoding="utf-8",
     )
     return path
 
@@ -93,6 +96,11 @@ def test_the_surfaces_turn_are_cut_and_hidden(browser: Browser, report_file: Pat
         page.get_by_label("Show skin", exact=True).uncheck()
         page.wait_for_timeout(500)
         pictures.append(digest(page))
+        page.get_by_label("Depth: distance to the skin, in colours").check()
+        page.wait_for_timeout(500)
+        pictures.append(digest(page))
+        assert page.get_by_label("Highest value of the colours").count() == 1
+        seen.picture("report-depth")
         assert len(set(pictures)) == len(pictures)
         assert seen.barriers() == []
 

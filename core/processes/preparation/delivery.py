@@ -76,7 +76,7 @@ def deliver(made: Prepared, log: StepLog, run: RunContext, out_dir: Path) -> Out
     figures = (*drawn, *log.figures({tissue.name: tissue.mesh for tissue in made.tissues}))
     run.stage("package", 0.6, 1.0)
     package = out_dir / "package.zip"
-    packed = build_package(package, made.tissues, report, figures)
+    packed = build_package(package, made.tissues, report, figures, depths)
     require_unchanged(package, made.delivered)
     files = [
         OutputFile("package", Path(package.name), "application/zip", package.name),
@@ -87,7 +87,7 @@ def deliver(made: Prepared, log: StepLog, run: RunContext, out_dir: Path) -> Out
         write_vtu(out_dir / "volume.vtu", made.tissues, made.volume)
         files.append(OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh"))
         files.append(OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu"))
-    return Outcome(packed, figures, tuple(files), made.delivered)
+    return Outcome(packed, figures, tuple(files), {tissue.name: tissue.mesh for tissue in made.tissues}, depths)
 
 
 def write_record(log: StepLog, out_dir: Path) -> OutputFile:

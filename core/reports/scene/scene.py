@@ -23,6 +23,7 @@ GRID_BITS = 18  # of the longest side: 0.007 mm for a body 1.8 m tall
 MOST_FACES = 1_000_000  # of all surfaces together; browsers stay fluent, and a mail stays small
 FLAT_MM = 1e-9  # so that flat surfaces, too, are told apart by their other two extents
 DEFLATE_EFFORT = 6
+NO_DEPTHS: Mapping[str, NDArray[np.float64]] = {}
 PLANES = (0, 8, 16)  # the bytes of a number lie apart: high ones are nearly all 0
 
 
@@ -39,10 +40,14 @@ class Scene:
     thinned: tuple[str, ...]
 
 
-def make_scene(meshes: Mapping[str, Mesh], most_faces: int = MOST_FACES) -> Scene | None:
+def make_scene(
+    meshes: Mapping[str, Mesh], depths_mm: Mapping[str, NDArray[np.float64]] = NO_DEPTHS, most_faces: int = MOST_FACES
+) -> Scene | None:
     """Pack surfaces, the largest first, as they are drawn; None if there are none.
 
-    Promises: same meshes, same bytes; every face keeps its corners and its orientation unless its surface is thinned.
+    depths_mm: surface -> distance of its vertices (V,) or faces (F,) to the skin, painted on it on demand.
+    Promises: same meshes, same bytes; every face keeps its corners and its orientation unless its surface is thinned; that
+              has no depths either. A depth is shown to a 255th of the largest.
     """
     largest_first = sorted(meshes.items(), key=lambda item: -float(np.prod(item[1].extents_mm() + FLAT_MM)))
     if not meshes:
@@ -54,7 +59,8 @@ def make_scene(meshes: Mapping[str, Mesh], most_faces: int = MOST_FACES) -> Scen
     high = np.max([mesh.vertices.max(axis=0) for mesh in drawn.values()], axis=0)
     step = float((high - low).max()) / (2**GRID_BITS - 1) or 1.0
     colours = tissue_colours(list(meshes))
-    surfaces, chunks = [], []
+    surfaces: list[dict[str, Any]] = []
+    chunks: list[bytes] = []
     for name, mesh in drawn.items():
         faces, order = neighbours_first(mesh.faces, len(mesh.vertices))
         grid = np.rint((mesh.vertices[order] - low) / step).astype(np.int64)
@@ -68,8 +74,13 @@ def make_scene(meshes: Mapping[str, Mesh], most_faces: int = MOST_FACES) -> Scen
                 "faces": len(faces),
                 "of_faces": len(meshes[name].faces),
                 "closed": _is_closed(mesh),
+                "deepest_mm": None,
             }
         )
+        if name in depths_mm and mesh is meshes[name]:
+            depths = _of_vertices(depths_mm[name], mesh)[order]
+            surfaces[-1]["deepest_mm"] = deepest = float(depths.max()) or 1.0
+            chunks.append(np.rint(255.0 / deepest * np.maximum(depths, 0.0)).astype(np.uint8).tobytes())
     about = {"version": FORMAT_VERSION, "origin_mm": low.tolist(), "step_mm": step, "surfaces": surfaces}
     thinned = tuple(name for name in drawn if drawn[name] is not meshes[name])
     return Scene(about, zlib.compress(b"".join(chunks), DEFLATE_EFFORT), 0.5 * float(np.sqrt(3.0)) * step, thinned)
@@ -78,6 +89,16 @@ def make_scene(meshes: Mapping[str, Mesh], most_faces: int = MOST_FACES) -> Scen
 def _planes(numbers: NDArray[np.uint32]) -> list[bytes]:
     """(N, 3) as 3 x 3 runs of N bytes: column by column, low bytes before high ones."""
     return [(numbers[:, column] >> shift & 255).astype(np.uint8).tobytes() for column in range(3) for shift in PLANES]
+
+
+def _of_vertices(depths_mm: NDArray[np.float64], mesh: Mesh) -> NDArray[np.float64]:
+    """(V,): as given, or the mean of the faces around."""
+    if len(depths_mm) == len(mesh.vertices):
+        return depths_mm
+    corners = mesh.faces.ravel()
+    sums = np.bincount(corners, np.repeat(depths_mm, 3), minlength=len(mesh.vertices))
+    means: NDArray[np.float64] = sums / np.maximum(np.bincount(corners, minlength=len(mesh.vertices)), 1)
+    return means
 
 
 def _is_closed(mesh: Mesh) -> bool:

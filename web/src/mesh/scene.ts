@@ -9,14 +9,34 @@ export interface SceneAbout {
   version: number;
   origin_mm: [number, number, number];
   step_mm: number;
-  surfaces: { name: string; colour: string; vertices: number; faces: number; of_faces: number; closed: boolean }[];
+  surfaces: PackedSurface[];
+}
+
+interface PackedSurface {
+  name: string;
+  colour: string;
+  vertices: number;
+  faces: number;
+  of_faces: number;
+  closed: boolean;
+  /** The largest distance to the skin, if its vertices have one. */
+  deepest_mm: number | null;
+}
+
+export interface SceneMesh {
+  mesh: Triangles;
+  depths: Float32Array | null;
 }
 
 /** One mesh for each surface of `about`; `packed` is base64 of what was deflated. */
-export async function readScene(about: SceneAbout, packed: string): Promise<Triangles[]> {
+export async function readScene(about: SceneAbout, packed: string): Promise<SceneMesh[]> {
   if (about.version !== VERSION) throw new Error(`This view knows scenes of version ${VERSION}, not ${about.version}.`);
   const data = await inflated(bytesOf(packed));
-  const length = about.surfaces.reduce((sum, { faces, vertices }) => sum + 3 * BYTES * (faces + vertices), 0);
+  const length = about.surfaces.reduce(
+    (sum, { faces, vertices, deepest_mm }) =>
+      sum + 3 * BYTES * (faces + vertices) + (deepest_mm === null ? 0 : vertices),
+    0,
+  );
   if (data.length !== length) throw new Error(`The scene has ${data.length} bytes, not ${length}.`);
   let start = 0;
   const take = (rows: number): Uint32Array => {
@@ -24,9 +44,13 @@ export async function readScene(about: SceneAbout, packed: string): Promise<Tria
     start += 3 * BYTES * rows;
     return numbers;
   };
-  return about.surfaces.map(({ faces, vertices }) => {
+  return about.surfaces.map(({ faces, vertices, deepest_mm }) => {
     const corners = cornersOf(take(faces));
-    return { faces: corners, positions: positionsOf(corners, take(vertices), about) };
+    const mesh = { faces: corners, positions: positionsOf(corners, take(vertices), about) };
+    if (deepest_mm === null) return { mesh, depths: null };
+    const shares = data.subarray(start, start + vertices);
+    start += vertices;
+    return { mesh, depths: Float32Array.from(shares, (share) => (share / 255) * deepest_mm) };
   });
 }
 

@@ -1,24 +1,26 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { SceneAbout } from "../mesh/scene";
+import type { SceneAbout, SceneMesh } from "../mesh/scene";
 import { type Bounds, boundsOf, type Triangles } from "../mesh/triangles";
 import { ClipControl } from "../parts/clip_control";
+import { Legend } from "../parts/legend";
 import { TissueTable } from "../parts/tissue_table";
 import { ViewerPane } from "../parts/viewer_pane";
-import type { Clip, Surface } from "../viewer/surface";
+import { usualRange } from "../viewer/colour_map";
+import type { Clip, Field, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import type { Place } from "./places";
 
 const BEFORE = " before"; // what a surface was made from: hidden until asked for
 
 /** The surfaces of a report: seen through, cut open, with the places its tables name. */
-export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes: Triangles[]; places: Place[] }) {
+export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes: SceneMesh[]; places: Place[] }) {
   const [surfaces, setSurfaces] = useState<Surface[]>(() =>
     about.surfaces.map(({ name, colour, closed }, i) => ({
-      ...{ name, colour, closed, mesh: meshes[i]! },
+      ...{ name, colour, closed, mesh: meshes[i]!.mesh },
       ...{ visible: !name.endsWith(BEFORE), opacity: 1, field: null },
     })),
   );
-  const bounds = useMemo(() => boundsOfAll(meshes), [meshes]);
+  const bounds = useMemo(() => boundsOfAll(meshes.map(({ mesh }) => mesh)), [meshes]);
   const [clip, setClip] = useState<Clip | null>(null);
   const [marked, setMarked] = useState<"all" | "none" | Place>("all");
   const [viewer, setViewer] = useState<Viewer | null>(null);
@@ -51,6 +53,9 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
     };
   }, [viewer, places]);
 
+  const painted = surfaces.some((one) => one.field !== null);
+  const paint = (on: boolean) =>
+    setSurfaces(surfaces.map((one, i) => ({ ...one, field: on ? depthField(meshes[i]!) : null })));
   const change = (name: string, part: Partial<Surface>) =>
     setSurfaces(surfaces.map((one) => (one.name === name ? { ...one, ...part } : one)));
   return (
@@ -59,6 +64,22 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
       <div class="stack">
         <TissueTable surfaces={surfaces} onChange={change} />
         <ClipControl clip={clip} bounds={bounds} onClip={setClip} />
+        {meshes.some(({ depths }) => depths !== null) && (
+          <label class="row">
+            <input type="checkbox" checked={painted} onChange={(event) => paint(event.currentTarget.checked)} />
+            Depth: distance to the skin, in colours
+          </label>
+        )}
+        {surfaces.map(
+          ({ name, visible, field }) =>
+            visible &&
+            field && (
+              <div key={name} class="stack">
+                {name}
+                <Legend field={field} onRange={(low, high) => change(name, { field: { ...field, low, high } })} />
+              </div>
+            ),
+        )}
         {places.length > 0 && (
           <label class="row">
             <input
@@ -72,6 +93,19 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
       </div>
     </div>
   );
+}
+
+function depthField({ depths }: SceneMesh): Field | null {
+  if (!depths) return null;
+  const [low, high] = usualRange(depths);
+  return {
+    name: "distance to the skin",
+    unit: "mm",
+    values: depths,
+    low: Math.min(low, 0.5 * high),
+    high,
+    map: "viridis",
+  };
 }
 
 function boundsOfAll(meshes: readonly Triangles[]): Bounds {

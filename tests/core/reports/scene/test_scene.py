@@ -38,6 +38,8 @@ def unpacked(scene: Scene) -> dict[str, Mesh]:
                 known = [corner for corner in faces[f] if corner < vertex]
                 middle = grid[known].sum(axis=0) // len(known) if known else grid[vertex - 1] if vertex else 0
                 grid[vertex] = off[vertex] + middle
+        if surface["deepest_mm"] is not None:
+            start += surface["vertices"]
         meshes[surface["name"]] = Mesh.of(np.array(scene.about["origin_mm"]) + scene.about["step_mm"] * grid, faces)
     assert start == len(data)
     return meshes
@@ -73,6 +75,28 @@ def test_every_face_comes_back_within_the_error_stated(mesh):
     np.testing.assert_allclose(corner_table(back), corner_table(asked), atol=1e-9)
     assert np.linalg.norm(asked.vertices - mesh.vertices, axis=1).max() <= scene.error_mm
     assert scene.about["version"] == FORMAT_VERSION
+
+
+def test_depths_follow_the_vertices_and_those_of_faces_are_spread():
+    ball = sphere(10.0, 3)
+    heights = ball.vertices[:, 2] - ball.vertices[:, 2].min()
+    for depths in (heights, heights[ball.faces].mean(axis=1)):
+        scene = make_scene({"ball": ball}, {"ball": depths})
+        assert scene is not None
+        deepest = scene.about["surfaces"][0]["deepest_mm"]
+        back = unpacked(scene)["ball"]
+        shares = np.frombuffer(zlib.decompress(scene.data)[-len(ball.vertices) :], dtype=np.uint8)
+        found = shares / 255.0 * deepest
+        expected = back.vertices[:, 2] - ball.vertices[:, 2].min()
+        assert np.abs(found - expected).max() < (0.05 if depths is heights else 1.5)
+
+
+def test_a_thinned_surface_has_no_depths():
+    fine = sphere(30.0, 5)
+    scene = make_scene({"fine": fine}, {"fine": np.ones(len(fine.vertices))}, most_faces=500)
+    assert scene is not None
+    assert scene.about["surfaces"][0]["deepest_mm"] is None
+    assert unpacked(scene)["fine"].faces.max() > 0
 
 
 def test_a_body_is_small_and_exact_to_a_hundredth_of_a_millimetre():
@@ -120,7 +144,7 @@ def test_an_open_surface_is_not_called_closed():
 def test_the_page_reads_what_is_packed_here():
     """web/tests/scene.test.ts reads this very scene; if it fails, give the new format another version, there too."""
     tetrahedron = Mesh.of([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    scene = make_scene({"skin": tetrahedron})
+    scene = make_scene({"skin": tetrahedron}, {"skin": np.array([0.0, 1.0, 2.0, 0.5])})
     assert scene is not None
     source = (ROOT / "web" / "tests" / "scene.test.ts").read_text()
     packed = re.search(r'DATA =\s*"([^"]*)"', source)
