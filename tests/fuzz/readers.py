@@ -9,6 +9,7 @@ from functools import cache, partial
 from pathlib import Path
 
 from core.errors import InputError, LimitError
+from core.io.nifti import read_volume
 from core.io.registry import read_meshes
 from core.mesh import Mesh
 from core.package.read import read_package
@@ -38,6 +39,16 @@ def read_upload(data: bytes, extension: str) -> None:
             raise AssertionError("the reader made something else than a mesh")
 
 
+def read_labels(data: bytes) -> None:
+    """As an upload called labels.nii.gz."""
+    path = folder() / "volume"
+    path.write_bytes(data)
+    with suppress(InputError, LimitError):
+        volume, _findings = read_volume(path, "mm")
+        if not volume.counts():
+            raise AssertionError("a volume without labels was let through")
+
+
 def read_zip(data: bytes) -> None:
     """As a package of an earlier job."""
     path = folder() / "package.zip"
@@ -53,5 +64,6 @@ READERS: dict[str, Target] = {
     "ply": partial(read_upload, extension="ply"),
     "obj": partial(read_upload, extension="obj"),
     "unnamed": partial(read_upload, extension=""),
+    "nifti": read_labels,
     "package": read_zip,
 }

@@ -16,6 +16,7 @@ from core.io.registry import write_mesh
 from core.package.archive import EARLIEST_DATE
 from core.package.manifest import FILE_NAME, Manifest, TissueEntry
 from tests.core.io import matlab_bytes as craft
+from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
 from tests.core.io.tiny import TETRAHEDRON
 from tests.fuzz.headers import SEEDS as SEEDS_OF_HEADERS
@@ -83,6 +84,11 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "hdf5": (mat73, lambda: mat73(chunks=(3, 2), compression="gzip", shuffle=True, fletcher32=True)),
     "ply": (lambda: written("ply"), PLY.encode),
     "obj": (lambda: written("obj"), lambda: b"v 0 0 0\nv 9 0 0 1 .5 1\nv 0 9 0\nv 0 0 9\nf 1/1/1 2//2 3 -1\n\nf 1 \\\n2 4\n"),
+    "nifti": (
+        lambda: nifti(two_boxes(), np.diag([2.0, -1.0, 3.0, 1.0])),
+        lambda: packed(nifti(two_boxes().astype("i4"), np.eye(4), version=2, order=">", slope=2.0)),
+        lambda: nifti(two_boxes().astype("f4"), quaternion=(0.5, 0.5, 0.5, 1.0, 2.0, 3.0), units=0),
+    ),
     "unnamed": (lambda: written("stl"), lambda: written("stl-ascii")),
     "package": (package,),
 }

@@ -14,9 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.core.io import matlab_bytes as craft
+from tests.core.io.nifti_bytes import CODES, nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
 from tests.core.io.tiny import TETRAHEDRON
-from tests.fuzz.readers import read_upload, read_zip
+from tests.fuzz.readers import read_labels, read_upload, read_zip
 
 P, T = TETRAHEDRON.vertices, TETRAHEDRON.faces + 1.0
 STL_LINES = (
@@ -127,6 +128,55 @@ def test_ply(form: str, vertices: int, faces: int, types: list[str], rows: bytes
     head += [f"property {kind} {'xyzab'[place]}" for place, kind in enumerate(types)]
     head += [f"element face {faces}", "property list uchar int vertex_indices", "end_header\n"]
     read_upload("\n".join(head).encode() + rows, "ply")
+
+
+@BRIEF
+@given(
+    kind=st.sampled_from(sorted(CODES)),
+    version=st.sampled_from([1, 2]),
+    order=st.sampled_from("<>"),
+    dim=st.lists(st.sampled_from([-1, 0, 1, 2, 3, 5, 6, 7, 255, 32767]), min_size=1, max_size=8).map(tuple) | st.none(),
+    datatype=st.none() | st.sampled_from([0, 1, 2, 16, 32, 128, 1280, 1536, 2048]),
+    scale=st.tuples(numbers, numbers),
+    units=st.integers(0, 255),
+    offset=st.none() | st.sampled_from([0, 352, 544, 1 << 20, 2**31 - 1]),
+    place=st.lists(numbers, min_size=6, max_size=6).map(tuple) | st.none(),
+    sides=st.lists(numbers, min_size=4, max_size=4).map(tuple),
+    pack=st.booleans(),
+    cut=st.integers(0, 60),
+)
+def test_nifti(
+    kind: str,
+    version: int,
+    order: str,
+    dim: tuple[int, ...] | None,
+    datatype: int | None,
+    scale: tuple[float, float],
+    units: int,
+    offset: int | None,
+    place: tuple[float, ...] | None,
+    sides: tuple[float, ...],
+    pack: bool,
+    cut: int,
+) -> None:
+    with np.errstate(all="ignore"):
+        slope, intercept, *places = (float(np.float32(number)) for number in (*scale, *(place or ()), *sides))
+        data = nifti(
+            two_boxes().astype(kind),
+            None if place else np.diag([*places[-3:], 1.0]),
+            version=version,
+            order=order,
+            dim=dim,
+            datatype=datatype,
+            slope=slope,
+            intercept=intercept,
+            units=units,
+            offset=offset if version == 2 or offset is None else min(offset, 1 << 20),
+            quaternion=tuple(places[:6]) if place else None,
+            pixdim=tuple(places[-4:]),
+        )
+        data = data[: len(data) - cut]
+        read_labels(packed(data) if pack else data)
 
 
 @BRIEF
