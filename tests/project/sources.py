@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("api", "client/integument", "core", "sandbox", "server", "store", "worker")
 CODE = re.compile(r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$")
 FILE_SUFFIXES = {
-    *("csv", "html", "json", "msh", "vtu", "lock", "log", "mat", "mesh", "npz", "obj", "part"),
+    *("csv", "html", "js", "json", "md", "msh", "vtu", "lock", "log", "mat", "mesh", "npz", "obj", "part"),
     *("ply", "png", "sock", "sqlite3", "stl", "tmp", "txt", "yaml", "zip"),
 }
 # a Celery task, a column, an ASGI event, files of control groups, an attribute of traces

@@ -39,8 +39,7 @@ def report_viewer() -> Viewer:
             "report.viewer_missing",
             f"the viewer of reports has not been built: {error.filename} is missing; `make web` builds it",
         ) from error
-    for text, name in ((script, "viewer.js"), (licences, "licenses.md")):
-        if any(sign in text.lower() for sign in ENDS_A_SCRIPT):
-            raise InternalError("report.viewer_unfit", f"{name} holds text that cannot stand in a page; build it anew")
+    if any(sign in text.lower() for sign in ENDS_A_SCRIPT for text in (script, licences)):
+        raise InternalError("report.viewer_unfit", f"a file in {FOLDER} holds text that cannot stand in a page; build it anew")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     return Viewer(script, licences, f"'sha256-{digest}'")
