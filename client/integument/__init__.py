@@ -1,6 +1,7 @@
 """Client of the Integument mesh server: a typed Python library and the `integument` command."""
 
 from integument.client import Client
+from integument.cohort import Cohort
 from integument.embedded import EmbeddedServer
 from integument.errors import (
     ArgumentError,
@@ -39,6 +40,7 @@ from integument.result import Output, Results
 __all__ = [
     "ArgumentError",
     "Client",
+    "Cohort",
     "ComparisonNumbers",
     "DeviationNumbers",
     "DownloadCorruptError",

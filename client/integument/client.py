@@ -14,6 +14,7 @@ from uuid import uuid4
 
 from integument.answer import read_json
 from integument.api_key import key_of_environment
+from integument.cohort_requests import CohortRequests
 from integument.download import download, offered_file_name
 from integument.errors import ArgumentError, JobDismissedError, JobFailedError, ReplyError, WaitTimeoutError
 from integument.event import JobEvent
@@ -34,7 +35,7 @@ DEFAULT_URL = "http://127.0.0.1:8000"
 INTAKE_TIMEOUT_S = 300.0  # an upload is answered when the server has read and checked the mesh
 
 
-class Client(SurfaceProcesses, Preparation):
+class Client(SurfaceProcesses, Preparation, CohortRequests):
     """Talks to one server.
 
     url: the server; without it INTEGUMENT_URL, else http://127.0.0.1:8000, where `integument serve` listens.
@@ -100,9 +101,10 @@ class Client(SurfaceProcesses, Preparation):
         """One mesh."""
         return Mesh.read(self._get(f"/v1/meshes/{mesh_id}"), "the mesh")
 
-    def meshes(self, *, limit: int | None = None) -> Iterator[Mesh]:
-        """The newest first; further pages are fetched as needed."""
-        return (Mesh.read(item, "a mesh of the list") for item in self._pages("/v1/meshes", "meshes", {}, limit))
+    def meshes(self, *, text: str = "", limit: int | None = None) -> Iterator[Mesh]:
+        """The newest first; further pages are fetched as needed. text: every word of it occurs in the name."""
+        wanted = {"q": text} if text else {}
+        return (Mesh.read(item, "a mesh of the list") for item in self._pages("/v1/meshes", "meshes", wanted, limit))
 
     # processes
 
@@ -114,14 +116,25 @@ class Client(SurfaceProcesses, Preparation):
         """One process with the JSON Schemas of its inputs."""
         return Process.read(self._get(f"/v1/processes/{process_id}"), "the process description")
 
-    def execute(self, process_id: str, inputs: Mapping[str, Any], *, idempotency_key: str | None = None) -> Job:
-        """Queue a job. The idempotency key makes a repeated request one job; without one a fresh one is made per call.
+    def execute(
+        self,
+        process_id: str,
+        inputs: Mapping[str, Any],
+        *,
+        name: str | None = None,
+        labels: Sequence[str] = (),
+        idempotency_key: str | None = None,
+    ) -> Job:
+        """Queue a job, with a name and labels to find it by.
+
+        The idempotency key makes a repeated request one job; without one a fresh one is made per call.
 
         Raises: ArgumentError (inputs that are no JSON, as NaN is not); ProblemError, with the place of each wrong input
         in `problem.errors`.
         """
         try:
-            body = json.dumps({"inputs": dict(inputs)}, allow_nan=False)
+            words: dict[str, Any] = ({"name": name} if name else {}) | ({"labels": list(labels)} if labels else {})
+            body = json.dumps({"inputs": dict(inputs), **words}, allow_nan=False)
         except (TypeError, ValueError) as error:
             raise ArgumentError(f"the inputs are no JSON: {error}") from error
         headers = {
@@ -138,10 +151,26 @@ class Client(SurfaceProcesses, Preparation):
         """How the job stands."""
         return Job.read(self._get(f"/v1/jobs/{job_id}"), "the job")
 
-    def jobs(self, *, status: str | None = None, process: str | None = None, limit: int | None = None) -> Iterator[Job]:
-        """The newest first; further pages are fetched as needed."""
-        wanted = {key: value for key, value in {"status": status, "processID": process}.items() if value}
+    def jobs(
+        self,
+        *,
+        status: str | None = None,
+        process: str | None = None,
+        labels: Sequence[str] = (),
+        text: str = "",
+        limit: int | None = None,
+    ) -> Iterator[Job]:
+        """The newest first; further pages are fetched as needed.
+
+        labels: all of them. text: every word of it occurs in name, labels, process, id or names of meshes."""
+        asked = {"status": status, "processID": process, "label": list(labels), "q": text}
+        wanted = {key: value for key, value in asked.items() if value}
         return (Job.read(item, "a job of the list") for item in self._pages("/v1/jobs", "jobs", wanted, limit))
+
+    def relabel(self, job: Job | str, *, name: str | None = None, labels: Sequence[str] | None = None) -> Job:
+        """Give a job another name (an empty one takes it away) or other labels; None leaves them."""
+        change = ({} if name is None else {"name": name or None}) | ({} if labels is None else {"labels": list(labels)})
+        return Job.read(read_json(self._transport.request("PATCH", f"/v1/jobs/{_id(job)}", json=change)), "the job")
 
     def events(self, job: Job | str, *, after: str = "", follow: bool = True) -> Iterator[JobEvent]:
         """What happened to the job after event number `after`, and goes on happening, up to its end.
@@ -290,14 +319,14 @@ class Client(SurfaceProcesses, Preparation):
             return {"href": mesh}
         return {"href": self.upload_mesh(mesh, unit=unit).href}
 
-    def _get(self, path: str, params: Mapping[str, str] | None = None) -> Any:
+    def _get(self, path: str, params: Mapping[str, Any] | None = None) -> Any:
         response = self._transport.request("GET", path, params=params, headers={"Accept": "application/json"})
         return read_json(response)
 
-    def _pages(self, path: str, key: str, params: Mapping[str, str], limit: int | None) -> Iterator[Any]:
+    def _pages(self, path: str, key: str, params: Mapping[str, Any], limit: int | None) -> Iterator[Any]:
         """The items of a list over all pages, at most `limit`. Only path and query of `next` count: never another server."""
         left = limit
-        query: Mapping[str, str] | None = dict(params) | ({} if limit is None else {"limit": str(min(limit, 100))})
+        query: Mapping[str, Any] | None = dict(params) | ({} if limit is None else {"limit": str(min(limit, 100))})
         while True:
             document = self._get(path, query)
             if not isinstance(document, dict) or not isinstance(document.get(key), list):

@@ -29,6 +29,10 @@ class Job(Answer):
 
     id: str = Field(alias="jobID")
     process: str = Field("", alias="processID")
+    name: str | None = None
+    labels: tuple[str, ...] = ()
+    cohort_id: str | None = Field(None, alias="cohortID")
+    subject: str | None = Field(None, description="Of that cohort")
     status: Status
     progress: float = 0.0
     phase: str | None = None

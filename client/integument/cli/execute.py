@@ -10,13 +10,15 @@ from typing import Annotated, Any
 import typer
 
 from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted, run_to_end, see_to_end
 from integument.cli.layer_text import REGION_FORM, read_layers, read_region
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
+    LabelOption,
     LayerOption,
     MinGapOption,
+    NameOption,
     OuterLayerOption,
     PackageOption,
     ReportOption,
@@ -101,15 +103,18 @@ def run(
     output: Annotated[
         list[str] | None, typer.Option("--output", "-o", metavar="NAME=FILE", help="Output to fetch and where to; repeat.")
     ] = None,
+    name: NameOption = None,
+    label: LabelOption = None,
     report: ReportOption = None,
 ) -> None:
     """Run any process with inputs from a JSON file."""
     options = options_of(ctx)
     wanted = Wanted(dict(_read_output(text) for text in output or ()), report)
     wanted.require_room()
-    document = _read_inputs(inputs)
+    document = read_inputs(inputs)
     with connect(options) as session:
-        raise typer.Exit(run_to_end(session, options, process, document, wanted))
+        job = session.client.execute(process, document, name=name, labels=label or ())
+        raise typer.Exit(see_to_end(session, options, job, wanted))
 
 
 def _read_output(text: str) -> tuple[str, Path]:
@@ -119,8 +124,8 @@ def _read_output(text: str) -> tuple[str, Path]:
     return name, Path(path)
 
 
-def _read_inputs(path: Path) -> dict[str, Any]:
-    """The inputs object itself, or a whole execute request that holds it."""
+def read_inputs(path: Path) -> dict[str, Any]:
+    """The inputs object itself, or a whole execute request that holds it. Raises: ArgumentError."""
     try:
         text = sys.stdin.read() if str(path) == "-" else path.read_text(encoding="utf-8")
         document = json.loads(text)

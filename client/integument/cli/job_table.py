@@ -33,6 +33,10 @@ def job_lines(job: Job) -> list[str]:
     facts = {
         "job": job.id,
         "process": job.process,
+        "name": job.name,
+        "labels": ", ".join(job.labels),
+        "cohort": job.cohort_id,
+        "subject": job.subject,
         "status": job.status,
         "progress": f"{job.progress:.0f} %",
         "phase": job.phase,

@@ -33,12 +33,16 @@ def jobs(
     ctx: typer.Context,
     status: Annotated[StatusName | None, typer.Option(help="Only these.")] = None,
     process: Annotated[str | None, typer.Option(help="Only jobs of this process.")] = None,
+    label: Annotated[
+        list[str] | None, typer.Option(metavar="LABEL", help="Only jobs with this label; repeat for several.")
+    ] = None,
+    search: Annotated[str, typer.Option(metavar="WORDS", help="Only jobs in whose name, labels, meshes or id they occur.")] = "",
     limit: Annotated[int, typer.Option(min=1, help="At most so many, the newest first.")] = 20,
 ) -> None:
     """List jobs."""
     options = options_of(ctx)
     with connect(options) as session:
-        found = list(session.client.jobs(status=status, process=process, limit=limit))
+        found = list(session.client.jobs(status=status, process=process, labels=label or (), text=search, limit=limit))
     options.screen.document([item.as_json() for item in found])
     options.screen.show(job_table(found))
 

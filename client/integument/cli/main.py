@@ -5,14 +5,28 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from integument.cli import admin, catalogue, detach, ears, execute, graft, jobs, prepare, segment, serve, surface_commands
+from integument.cli import (
+    admin,
+    catalogue,
+    cohorts,
+    detach,
+    ears,
+    execute,
+    graft,
+    jobs,
+    labels,
+    prepare,
+    segment,
+    serve,
+    surface_commands,
+)
 from integument.cli.app import app
 from integument.cli.exit_code import ExitCode, exit_code_of
 from integument.cli.global_options import split_global
 from integument.cli.screen import Screen
 from integument.errors import IntegumentError
 
-for part in (serve, admin, execute, ears, prepare, graft, detach, segment, surface_commands, jobs, catalogue):
+for part in (serve, admin, execute, ears, prepare, graft, detach, segment, surface_commands, cohorts, jobs, labels, catalogue):
     part.register(app)
 
 

@@ -56,3 +56,5 @@ VolumeOption: TypeAlias = Annotated[
 ReportOption: TypeAlias = Annotated[
     Path | None, typer.Option("--report", dir_okay=False, help="Where to put the report, a self-contained HTML page.")
 ]
+NameOption: TypeAlias = Annotated[str | None, typer.Option("--name", help="What people call it.")]
+LabelOption: TypeAlias = Annotated[list[str] | None, typer.Option("--label", metavar="LABEL", help="To find it by; repeat.")]
