@@ -13,7 +13,7 @@ from core.detaching.prove_detached import count_pieces, measure_genus, prove_det
 from core.detaching.refusal import contact_findings, words
 from core.detaching.region_grid import RegionGrid, cube_size_mm, fill_grid
 from core.detaching.sheet import draw_sheet
-from core.errors import InputError, InternalError
+from core.errors import InputError
 from core.geometry.quality import side_lengths
 from core.geometry.volume import signed_volumes
 from core.mesh import Mesh
@@ -70,7 +70,7 @@ def detach(skin: Mesh, settings: DetachSettings, run: RunContext = SILENT) -> De
     Promises: closed, manifold, outward, free of self-intersection (exact), the pieces asked for; the gap at least
               `settings.gap_mm` between the new walls; no face with a corner outside of the regions changes, bit for bit.
     Raises:   InputError `region.outside_mesh`, `detach.no_contact`, `detach.not_one_contact`, `detach.region_cuts_too_much`,
-              `detach.no_room`, `detach.still_attached`; InternalError `detach.not_proven`.
+              `detach.no_room`, `detach.not_opened`, `detach.still_attached`; InternalError `detach.not_proven`.
     Source:   thesis 5.3, where triangles were removed, the edges moved apart and the holes closed by hand."""
     mesh, opened = skin, []
     for number, region in enumerate(settings.regions):
@@ -116,20 +116,30 @@ def _open(
     finest = max(WALL_SHARE * settings.gap_mm, grid.size_mm * WALL_SHARE)
     edge_mm = max(min(edge_mm, area**0.5 / ACROSS), finest)
     may_change = np.asarray(within(mesh.vertices, low, high)[mesh.faces].all(axis=1))
-    sheet = draw_sheet(mesh, grid, contact.side, settings.gap_mm, edge_mm, may_change)
-    if sheet is None or not sheet.inside.any():
+    drawn = False
+    for halfway in (True, False):
+        sheet = draw_sheet(mesh, grid, contact.side, settings.gap_mm, edge_mm, may_change, halfway=halfway)
+        if sheet is None or not sheet.inside.any():
+            continue
+        drawn = True
+        made = open_contact(mesh, sheet, settings.gap_mm, low, high)
+        if made is not None:
+            return made.mesh, _account(mesh, made, contact, region)
+    raise _not_opened(contact, region, area, drawn)
+
+
+def _not_opened(contact: Contact, region: ContactRegion, area_mm2: float, drawn: bool) -> InputError:
+    if drawn:
         message = (
-            f"there is no room in the region '{region.name}' to open the contact: faces of the skin there reach out of the box; "
-            "make the box larger"
+            f"no gap along the contact in the region '{region.name}' left a skin free of self-intersection: the parts are grown "
+            "together in too many folds there; move the walls of the box away from them"
         )
-        raise _refused("detach.no_room", contact, message, area)
-    made = open_contact(mesh, sheet, settings.gap_mm, low, high)
-    if made is None:
-        message = f"no opening of the contact in the region '{region.name}' was free of self-intersection"
-        raise InternalError(
-            "detach.not_proven", message, findings=contact_findings("detach.not_proven", [contact.point_mm], message)
-        )
-    return made.mesh, _account(mesh, made, contact, region)
+        return _refused("detach.not_opened", contact, message, area_mm2)
+    message = (
+        f"there is no room in the region '{region.name}' to open the contact: faces of the skin there reach out of the box; "
+        "make the box larger"
+    )
+    return _refused("detach.no_room", contact, message, area_mm2)
 
 
 def _area_mm2(contact: Contact, size_mm: float) -> float:

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from core.detaching.round_off import round_off
 from core.detaching.sheet import Sheet
-from core.detaching.slab import END, FIRST, Slab, thicken
+from core.detaching.slab import END, FIRST, SECOND, Slab, thicken
 from core.detaching.slit_gap import measure_slit
 from core.geometry.adjacency import edges
 from core.geometry.components import face_components
 from core.geometry.cut_surface import SKIN, CutSurface
 from core.geometry.distance import closest_points_in
+from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_areas, face_crosses
 from core.geometry.seams import remesh_around_seams
@@ -70,6 +71,9 @@ def _attempt(skin: Mesh, sheet: Sheet, width: float, gap_mm: float, low: Floats,
     cut = CutSurface.uncut(skin).without(slab.mesh, FIRST)
     if cut is None or not (cut.piece != SKIN).any():
         return None
+    inner = within(cut.mesh.vertices, low, high)[cut.mesh.faces].any(axis=1)
+    if len(find_intersecting_faces(cut.mesh.vertices, cut.mesh.faces[inner])):
+        return None  # a sheet that folds makes a slab that runs through itself within the body
     cut = _without_shreds(_told_apart(cut, slab))
     remeshed = remesh_around_seams(
         cut,
@@ -82,7 +86,8 @@ def _attempt(skin: Mesh, sheet: Sheet, width: float, gap_mm: float, low: Floats,
         return None
     faces = remeshed.mesh.faces
     still = np.union1d(faces[: remeshed.kept], faces[remeshed.piece == END])
-    free = np.setdiff1d(faces[remeshed.kept :], still)
+    at_wall = np.isin(faces, faces[np.isin(remeshed.piece, (FIRST, SECOND))]).any(axis=1)  # the walls and a ring around them
+    free = np.setdiff1d(faces[at_wall], still)
     free = free[within(remeshed.mesh.vertices[free], low, high)]
     rounded = round_off(remeshed.mesh, free, sheet, 0.5 * width)
     if rounded is None:

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
-ROUNDS = 20
+ROUNDS = 8
 STEP = 0.3  # of the bending of a vertex's surroundings that one round takes away
 REPAIRS = 12  # times that vertices at faces that do not fit go back
 STEEPEST_TURN = 0.2  # cosine: a face that turns more goes back

@@ -75,11 +75,12 @@ class Sides:
 
 
 def draw_sheet(
-    mesh: Mesh, grid: RegionGrid, side: NDArray[np.int8], width_mm: float, edge_mm: float, may_change: Flags
+    mesh: Mesh, grid: RegionGrid, side: NDArray[np.int8], width_mm: float, edge_mm: float, may_change: Flags, *, halfway: bool
 ) -> Sheet | None:
     """The sheet between the parts of a cut, trimmed to where it opens something; None if nothing is left of it.
 
-    side: (X, Y, Z) 1, 2, or 0 outside of the body. may_change: (F,) faces of the skin that the opening may touch."""
+    side: (X, Y, Z) 1, 2, or 0 outside of the body. may_change: (F,) faces of the skin that the opening may touch. halfway: drawn
+    to the middle between the parts outside of the body; else it runs there as the cubes are divided, which never folds."""
     towards = _towards_first(side, grid.size_mm)
     points, faces = draw_zero_level(towards, grid.size_mm, edge_mm)
     if len(faces) == 0:
@@ -105,9 +106,10 @@ def draw_sheet(
     everything = np.arange(len(points))
     for _ in range(ROUNDS):
         points = points + 0.5 * (neighbour_means(points, neighbours, everything) - points)
-        outside = sides.off_skin(points) > 0.0
-        points[outside] = sides.halfway(points[outside], STEP_SHARE * edge_mm)
-        points = fair_sheet(points, faces, ~outside)
+        if halfway:
+            outside = sides.off_skin(points) > 0.0
+            points[outside] = sides.halfway(points[outside], STEP_SHARE * edge_mm)
+            points = fair_sheet(points, faces, ~outside)
     inside = sides.off_skin(points) < 0.0
     faces = faces[(sides.off_skin(points)[faces] < REACH * width_mm).any(axis=1)]
     room = Room.of(mesh, may_change, grid.low_mm, high, width_mm)

@@ -40,7 +40,7 @@ def changed_reach_out(before: Mesh, after: Mesh, box: dict[str, list[float]]) ->
     return bool(((corners <= box["min"]) | (corners >= box["max"])).any())
 
 
-@pytest.mark.parametrize("gap_mm", [0.3, 1.0, 4.0])
+@pytest.mark.parametrize("gap_mm", [0.3, 2.0])
 def test_balls_come_apart_along_the_disc_they_share(gap_mm: float) -> None:
     mesh = balls_grown_together(RADIUS_MM, APART_MM)
     result = opened(mesh, BALLS_BOX, pieces=2, gap_mm=gap_mm)
