@@ -53,10 +53,11 @@ class Border:
         """The same surface elsewhere on its edges, never nearer to their ends than `nearest`."""
         return replace(self, share=np.clip(share, nearest, 1.0 - nearest))
 
-    def slopes(self, volume: LabelVolume, mesh: Mesh) -> Floats:
+    def slopes(self, volume: LabelVolume) -> Floats:
         """By how many mm along its normal a vertex moves outward when `share` grows by 1, (V,); at least 0.3 of the edge."""
+        mesh = self.mesh(volume)
         way = (self.ends[:, 1] - self.ends[:, 0]) @ volume.affine[:3, :3].T
-        along = np.einsum("ij,ij->i", way, vertex_normals(mesh.vertices, mesh.faces))
+        along = np.einsum("ij,ij->i", way, vertex_normals(mesh.vertices, mesh.faces, "area"))
         floor: Floats = np.maximum(along, 0.3 * np.linalg.norm(way, axis=1))
         return floor
 
@@ -128,6 +129,7 @@ def balance(volume: LabelVolume, borders: Sequence[Border]) -> tuple[Border, ...
     Where two tissues meet, one takes what the other gives.
     """
     balanced = list(borders)
+    slopes = [border.slopes(volume) for border in borders]
     for _ in range(BALANCING_STEPS):
         meshes = [border.mesh(volume) for border in balanced]
         missing = np.array([border.volume_mm3 - _volume(mesh) for border, mesh in zip(balanced, meshes, strict=True)])
@@ -135,9 +137,9 @@ def balance(volume: LabelVolume, borders: Sequence[Border]) -> tuple[Border, ...
             break
         areas = [face_areas(mesh.vertices, mesh.faces).sum() for mesh in meshes]
         shift = np.append(missing / np.array(areas), 0.0)  # -1, the air, takes and gives what it has to
-        for number, (border, mesh) in enumerate(zip(balanced, meshes, strict=True)):
+        for number, border in enumerate(balanced):
             way = shift[number] - shift[border.across]
-            balanced[number] = border.with_share(border.share + way / border.slopes(volume, mesh), NEAREST)
+            balanced[number] = border.with_share(border.share + way / slopes[number], NEAREST)
     return tuple(balanced)
 
 

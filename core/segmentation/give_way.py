@@ -19,9 +19,10 @@ from core.segmentation.border import Border
 
 Floats: TypeAlias = NDArray[np.float64]
 
-MORE = 1.1  # both give way by this more than half of the gap: on a curved border edges are chords
+MORE = 1.2  # both give way by this more than half of the gap: on a curved border edges are chords
 CLOSEST = 0.02  # share of an edge that stays between a surface that gave way and its voxel
 ROUNDS = 40
+NEARLY = 1.1  # faces are looked at beyond their corners where a corner is nearer than this times what is asked
 FARTHER = 0.1  # of the gap, what counts as near grows by this from round to round: sides may be nearer than any place looked at
 
 
@@ -31,9 +32,9 @@ def give_way(volume: LabelVolume, borders: Sequence[Border], gap_mm: float, run:
     Raises: InputError `segment.gap_not_reached` if labels are mixed so finely that there is no room.
     """
     apart = list(borders)
+    slopes = [border.slopes(volume) for border in borders]
     for number, border in enumerate(borders):
-        lengths = border.slopes(volume, border.mesh(volume))
-        step = np.where(border.crowded, MORE * gap_mm / 2 / lengths, 0.0)
+        step = np.where(border.crowded, MORE * gap_mm / 2 / slopes[number], 0.0)
         apart[number] = border.with_share(border.share - step, CLOSEST)
     for round_ in range(ROUNDS):
         meshes = [border.mesh(volume) for border in apart]
@@ -42,9 +43,9 @@ def give_way(volume: LabelVolume, borders: Sequence[Border], gap_mm: float, run:
         if not any(each.any() for each in missing):
             return tuple(apart)
         run.log(f"round {round_ + 1}: {sum(int((each > 0).sum()) for each in missing):,} vertices give way once more")
-        for number, (border, mesh, lacking) in enumerate(zip(apart, meshes, missing, strict=True)):
+        for number, (border, lacking) in enumerate(zip(apart, missing, strict=True)):
             if lacking.any():
-                apart[number] = border.with_share(border.share - lacking / border.slopes(volume, mesh), CLOSEST)
+                apart[number] = border.with_share(border.share - lacking / slopes[number], CLOSEST)
     raise InputError(
         "segment.gap_not_reached",
         f"the surfaces cannot be brought {gap_mm:.4g} mm apart: too many labels meet within a few voxels; ask for a smaller gap",
@@ -67,25 +68,27 @@ def _find_missing(meshes: Sequence[Mesh], crowded: Sequence[NDArray[np.bool_]], 
         missing[i][a.faces[gap.face_a]] = np.maximum(missing[i][a.faces[gap.face_a]], least)
         missing[j][b.faces[gap.face_b]] = np.maximum(missing[j][b.faces[gap.face_b]], least)
         for mine, other, first, second in ((i, j, a, b), (j, i, b, a)):
-            samples, corners = _samples(first, np.flatnonzero(crowded[mine] & _within(first.vertices, second, reach_mm)))
-            distance, _place, face = closest_points_in(trees[other], samples)
-            lacking = np.where(distance < reach_mm, (reach_mm - distance) * MORE / 2, 0.0)
-            np.maximum.at(missing[mine], corners, lacking[:, None])
-            np.maximum.at(missing[other], second.faces[face], lacking[:, None])
+            near = np.flatnonzero(crowded[mine] & _within(first.vertices, second, reach_mm))
+            asked, corners = first.vertices[near], np.column_stack((near, near, near))
+            for beyond_corners in (False, True):
+                distance, _place, face = closest_points_in(trees[other], asked)
+                lacking = np.where(distance < reach_mm, (reach_mm - distance) * MORE / 2, 0.0)
+                np.maximum.at(missing[mine], corners, lacking[:, None])
+                np.maximum.at(missing[other], second.faces[face], lacking[:, None])
+                if not beyond_corners:
+                    asked, corners = _samples(first, near[distance < NEARLY * reach_mm])
     return missing
 
 
 def _samples(mesh: Mesh, near: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Places (N, 3) on the faces at some vertices, and the corners (N, 3) that move each: corners, middles of sides, centres."""
+    """Places (N, 3) on the faces at some vertices, and the corners (N, 3) that move each: middles of sides, centres."""
     flag = np.zeros(len(mesh.vertices), dtype=np.bool_)
     flag[near] = True
     faces = mesh.faces[flag[mesh.faces].any(axis=1)]
     triangles = mesh.vertices[faces]
-    places = np.concatenate(
-        (mesh.vertices[near], (triangles + np.roll(triangles, 1, axis=1)).reshape(-1, 3) / 2, triangles.mean(axis=1))
-    )
+    places = np.concatenate(((triangles + np.roll(triangles, 1, axis=1)).reshape(-1, 3) / 2, triangles.mean(axis=1)))
     sides = np.stack((faces, np.roll(faces, 1, axis=1), faces), axis=-1).reshape(-1, 3)
-    return places, np.concatenate((np.column_stack((near, near, near)), sides, faces)).astype(np.int64)
+    return places, np.concatenate((sides, faces)).astype(np.int64)
 
 
 def _within(points: Floats, mesh: Mesh, gap_mm: float) -> NDArray[np.bool_]:
