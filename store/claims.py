@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -72,16 +72,8 @@ class Claims:
             if row is None:
                 return LOST
             now = self._db.now(session)
-            append_events(session, row, events, now)
-            before = (row.progress, row.phase, row.message)
-            if progress is not None:
-                row.progress = max(row.progress, min(max(float(progress), 0.0), 100.0))
-            row.phase = row.phase if phase is None else storable_text(phase)
-            row.message = row.message if message is None else storable_text(message)
+            _hear(session, row, now, progress, phase, message, events)
             row.peak_memory_bytes = peak_memory_bytes or row.peak_memory_bytes
-            if before != (row.progress, row.phase, row.message):
-                data = {"progress": row.progress, "phase": row.phase, "message": row.message}
-                append_events(session, row, [("progress", data)], now)
             row.lease_until = now + timedelta(seconds=lease_s)
             return Renewal(kept=True, dismiss_requested=row.dismiss_requested)
 
@@ -104,8 +96,12 @@ class Claims:
         outputs: Mapping[str, JobOutput],
         timings_s: Mapping[str, float],
         peak_memory_bytes: int | None = None,
+        progress: float | None = None,
+        phase: str | None = None,
+        message: str | None = None,
+        events: Iterable[NewEvent] = (),
     ) -> bool:
-        """Record success; the blobs must be stored already.
+        """Record success, and before it what was said last, as `renew` does; the blobs must be stored already.
 
         False if the lease is lost, or the user dismissed the job meanwhile: then it is recorded as dismissed. True, and nothing
         is written, if this very claim has recorded it before: the answer to that may have been lost on its way."""
@@ -117,6 +113,7 @@ class Claims:
             if row.dismiss_requested:
                 end_dismissed(session, row, now)
                 return False
+            _hear(session, row, now, progress, phase, message, events)
             row.verdict, row.summary, row.progress = verdict, storable_text(summary), 100.0
             row.timings_s, row.peak_memory_bytes = storable(dict(timings_s)), peak_memory_bytes
             keep_outputs(row, outputs)
@@ -188,6 +185,27 @@ class Claims:
                 return False
             end_dismissed(session, row, self._db.now(session))
             return True
+
+
+def _hear(
+    session: Session,
+    row: JobRow,
+    now: datetime,
+    progress: float | None,
+    phase: str | None,
+    message: str | None,
+    events: Iterable[NewEvent],
+) -> None:
+    """Append the events, and one of type `progress` if anything has changed."""
+    append_events(session, row, events, now)
+    before = (row.progress, row.phase, row.message)
+    if progress is not None:
+        row.progress = max(row.progress, min(max(float(progress), 0.0), 100.0))
+    row.phase = row.phase if phase is None else storable_text(phase)
+    row.message = row.message if message is None else storable_text(message)
+    if before != (row.progress, row.phase, row.message):
+        data = {"progress": row.progress, "phase": row.phase, "message": row.message}
+        append_events(session, row, [("progress", data)], now)
 
 
 def _has_finished(session: Session, job_id: str, token: int) -> bool:

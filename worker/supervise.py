@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Iterable
 from contextlib import closing
 from functools import partial
@@ -100,6 +101,7 @@ class _Attempt:
         limits = self._workshop.limits_of(self._job.process)
         child = self._workshop.nursery.spawn(self._workshop.target, payload, limits, folder, inputs)
         overrun: IntegumentError | None = None
+        look_at = 0.0
         with child:
             while (outcome := child.outcome()) is None:
                 for message in child.events(WATCH_S):
@@ -107,6 +109,9 @@ class _Attempt:
                     self._steps.hear(message)
                 self._lease.peak_bytes = child.peak_bytes
                 self._lease.beat()
+                if (now := time.monotonic()) < look_at:  # a child that says much is not looked at each time
+                    continue
+                look_at = now + WATCH_S
                 cap_log(folder)
                 if overrun is None and (overrun := find_overrun(child)) is not None:
                     child.kill()
@@ -146,7 +151,7 @@ class _Attempt:
         return self._keep_beating(partial(store_outputs, tuple(listed), folder, self._workshop.blobs))
 
     def _finish(self, result: ChildResult, outputs: dict[str, JobOutput]) -> None:
-        self._lease.tell_all()
+        news = self._progress.news()  # goes along: one transaction, not two
         kept = sit_out(
             lambda: self._workshop.jobs.finish(
                 self._job.id,
@@ -156,6 +161,10 @@ class _Attempt:
                 outputs=outputs,
                 timings_s=self._progress.timings_s(),
                 peak_memory_bytes=self._peak_bytes,
+                progress=news.progress,
+                phase=news.phase,
+                message=news.message,
+                events=news.events,
             )
         )
         said = result.verdict if kept else "finished, but nobody wants it any more"

@@ -18,6 +18,7 @@ from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.prepare import run_prepare
+from core.processes.rehearsal import rehearse
 from core.processes.segment import run_segment
 from core.processes.separate import run_separate
 from core.processes.shells import run_shells
@@ -25,7 +26,7 @@ from core.processes.smooth import run_smooth
 from core.processes.software import software_digest
 from core.processes.tetrahedralize import run_tetrahedralize
 from core.processes.validate import run_validate
-from core.processes.warm_up import warm_up
+from core.processes.warm_up import warm_up as warm_up_kernels
 from core.reports.html import render_html
 from core.reports.scene.scene import make_scene
 from core.run import RunContext, RunEvent
@@ -57,6 +58,12 @@ class EventSink(Protocol):
     def send(self, message: dict[str, Any]) -> None:
         """Send one event as JSON."""
         ...
+
+
+def warm_up() -> None:
+    """For the process whose forks run jobs."""
+    warm_up_kernels()
+    rehearse(run)
 
 
 def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:

@@ -26,3 +26,24 @@ def test_kernels_are_warm():
         assert kernel in done.stdout
     for kernel in ("healing.loop_triangulation _triangulate", "healing.local_crossings _mark"):
         assert kernel in done.stdout
+
+
+REHEARSE = """
+import os, tempfile
+folder = tempfile.mkdtemp()
+os.environ["TMPDIR"] = tempfile.tempdir = folder
+from core.processes.rehearsal import rehearse
+from core.processes.registry import run
+seen = []
+def watched(payload, channel):
+    run(payload, channel)
+    seen.extend(name for name in os.listdir(payload["out_dir"]) if name == "report.html")
+rehearse(watched)
+print("left:", len([name for name in os.listdir(folder) if name.startswith("itg-rehearsal")]), "report:", len(seen))
+os.rmdir(folder) if not os.listdir(folder) else None
+"""
+
+
+def test_a_whole_job_is_rehearsed_and_leaves_nothing():
+    done = subprocess.run([sys.executable, "-c", REHEARSE], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["left:", "0", "report:", "1"]
