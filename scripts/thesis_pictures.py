@@ -19,7 +19,13 @@ from scripts.handbook.thesis_decimation import (  # noqa: E402
     decimation_figure,
     quarter_numbers,
 )
-from scripts.handbook.thesis_figures import bodies_figure, crossing_windows, ears_figure, shells_figure  # noqa: E402
+from scripts.handbook.thesis_figures import (  # noqa: E402
+    bodies_figure,
+    crossing_windows,
+    detached_figure,
+    ears_figure,
+    shells_figure,
+)
 from scripts.handbook.thesis_runs import thesis_runs  # noqa: E402
 from scripts.handbook.thesis_shrinking import crossings, crossings_figure, shrunken  # noqa: E402
 
@@ -37,6 +43,7 @@ def main() -> int:
     save(shells_figure(runs["shells"].surfaces), "shells")
     save(ears_figure(runs["ears"].surfaces), "ears")
     save(bodies_figure(runs["ears"].surfaces), "bodies")
+    save(detached_figure(runs["detach"].before, runs["detach"].surfaces["skin"]), "detached")
     save(curvature_figure(), "curvature")
     save(decimation_figure(decimated_bladders()), "decimation")
     print("a quarter of the faces:", quarter_numbers())
@@ -45,7 +52,7 @@ def main() -> int:
     print("by Eq. (4.1), crossing pairs:", counts)
     save(crossings_figure(by_equation["average_body"], taken["average_body"], crossing_windows()), "crossings")
     for process, run in runs.items():
-        print(process, "crossing pairs:", crossings(run.surfaces)[0])
+        print(process, "crossing pairs:", crossings(run.surfaces)[0], run.report["summary"])
     return 0
 
 

@@ -82,3 +82,15 @@ def crossing_windows() -> dict[str, View]:
         "left foot": oblique(20, 40, (205, -800, 105), (130, 139)),
         "head": oblique(40, 5, (20, 715, 40), (170, 182)),
     }
+
+
+def detached_figure(before: Mesh, after: Mesh) -> Figure:
+    """Fig. 52: arms grown to the torso, and set apart; above from the front, below cut at the height of the contacts."""
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
+    grid = figure.subplots(2, 2, height_ratios=(1.35, 1))
+    for column, (title, mesh) in enumerate({"before": before, "after": after}.items()):
+        draw_cut(grid[0, column], {"skin": mesh}, COLOURS, View.of(RIGHT, UP, (-250, 330), (250, 560), 500), None)
+        grid[0, column].set_title(title, fontsize=9)
+        plane = Plane.of((0, 420, 0), RIGHT, -FRONT)
+        draw_cut(grid[1, column], {"skin": mesh}, COLOURS, View.of(RIGHT, -FRONT, (-250, -120), (250, 70), 500), plane)
+    return figure
