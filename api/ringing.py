@@ -7,10 +7,12 @@ import queue
 import threading
 import time
 from collections import Counter
+from functools import partial
 
 from core.errors import IntegumentError
 from core.schema.expectation import JobQueue
 from store.doorbell import Doorbell
+from store.group_commit import LAST, GroupCommit
 from store.job import Job
 from store.jobs import Jobs
 
@@ -27,9 +29,10 @@ class Ringer:
     Bells are rung at once, the marks that they were follow for a quarter second together. Whatever gets lost here, with this
     process or with the broker, the reconciler of a worker announces a few seconds later: the job table is the truth."""
 
-    def __init__(self, doorbell: Doorbell, jobs: Jobs) -> None:
+    def __init__(self, doorbell: Doorbell, jobs: Jobs, commits: GroupCommit) -> None:
         self._doorbell = doorbell
         self._jobs = jobs
+        self._commits = commits
         self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._rung: list[tuple[str, int]] = []
         self._mark_at = 0.0
@@ -89,4 +92,4 @@ class Ringer:
     def _mark(self) -> None:
         """What the database does not take now, the reconciler rings for once more."""
         rung, self._rung = self._rung, []
-        self._jobs.mark_all_rung(rung)
+        self._commits.run(partial(self._jobs.mark_all_rung, rung), LAST)

@@ -100,6 +100,7 @@ class Services:
 def make_services(settings: Settings) -> Services:
     """Open nothing yet but the folders; `api.app` starts and stops what has to be."""
     db = Database(settings)
+    commits = GroupCommit(db)
     blobs = open_blobs(settings, db)
     metrics = Metrics(db)
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
@@ -109,7 +110,7 @@ def make_services(settings: Settings) -> Services:
     return Services(
         settings=settings,
         db=db,
-        commits=GroupCommit(db),
+        commits=commits,
         checkpointer=Checkpointer(db),
         blobs=blobs,
         meshes=Meshes(db, blobs, quotas),
@@ -130,11 +131,11 @@ def make_services(settings: Settings) -> Services:
         http_tally=HttpTally(metrics),
         keys=IdempotencyKeys(db, settings.idempotency_hours),
         doorbell=doorbell,
-        ringer=Ringer(doorbell, jobs),
+        ringer=Ringer(doorbell, jobs, commits),
         nursery=Nursery(preload=INTAKE_MODULES, require_confinement=settings.require_confinement),
         intake_slots=anyio.CapacityLimiter(CONCURRENT_INTAKES),
         streams=StreamSlots(settings.event_streams),
-        trail=AuditTrail(Audit(db)),
+        trail=AuditTrail(Audit(db, commits)),
         limiter=RateLimiter(settings.broker_url, settings.rate_per_s, settings.rate_burst),
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=drain,

@@ -11,6 +11,7 @@ from uuid import uuid4
 from sqlalchemy import delete, insert, select
 
 from store.database import Database
+from store.group_commit import LAST, GroupCommit
 from store.key_text import without_secrets
 from store.records import AuditRow
 from store.storable import storable_text
@@ -51,8 +52,10 @@ class AuditEntry:
 class Audit:
     """The table; rows are added and, after their time, removed, never changed."""
 
-    def __init__(self, db: Database) -> None:
+    def __init__(self, db: Database, commits: GroupCommit | None = None) -> None:
+        """With `commits` entries go with what others commit at the same moment."""
         self._db = db
+        self._commits = commits
 
     def write(self, entries: Iterable[AuditEntry]) -> None:
         """All of them in one transaction."""
@@ -70,7 +73,9 @@ class Audit:
             }
             for entry in entries
         ]
-        if rows:
+        if rows and self._commits is not None:
+            self._commits.run(lambda session: session.execute(insert(AuditRow), rows), LAST)
+        elif rows:
             with self._db.session() as session:
                 session.execute(insert(AuditRow), rows)
 

@@ -15,6 +15,7 @@ from sqlalchemy.orm import Session
 from store.database import Database
 
 MOST = 64  # of one transaction
+LAST = "~"  # after all names of workspaces: what locks rows of many
 T = TypeVar("T")
 Work = Callable[[Session], Any]
 

@@ -59,14 +59,15 @@ class Reconciliation:
                 .values(rung_at=self._db.now(session))
             )
 
-    def mark_all_rung(self, attempts: Iterable[tuple[str, int]]) -> None:
-        """The same for many (job id, attempt), in one transaction."""
-        with self._db.session() as session:
-            session.execute(
-                update(JobRow)
-                .where(tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED)
-                .values(rung_at=self._db.now(session))
-            )
+    def mark_all_rung(self, attempts: Iterable[tuple[str, int]], session: Session | None = None) -> None:
+        """The same for many (job id, attempt), in one transaction, or in that of `session`. Who is just being taken is left out:
+        nobody waits for a worker here."""
+        waiting = select(JobRow.id).where(
+            tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED
+        )
+        with self._db.session(session) as work:
+            rung = update(JobRow).where(JobRow.id.in_(waiting.with_for_update(skip_locked=True)))
+            work.execute(rung.values(rung_at=self._db.now(work)), execution_options={"synchronize_session": False})
 
     def expire_leases(self, now: datetime | None = None, within_s: float = math.inf) -> list[Job]:
         """Take jobs from workers that fell silent: queue them again, or fail those out of attempts with `worker.lost`.

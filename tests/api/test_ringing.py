@@ -12,6 +12,7 @@ import redis
 from api.ringing import BELLS, Ringer
 from store.database import Database
 from store.doorbell import Doorbell
+from store.group_commit import GroupCommit
 from store.job import Job
 from store.jobs import Jobs
 from store.settings import Settings
@@ -36,7 +37,7 @@ def rung(jobs: Jobs) -> int:
 
 
 def test_everything_that_was_accepted_is_announced_before_the_end(jobs: Jobs, valkey: ValkeyServer) -> None:
-    ringer = Ringer(Doorbell(valkey.url, "here"), jobs)
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
     waiting = accepted(jobs, 30)
     for job in waiting:  # before it starts: they lie in one heap
         ringer.ring(job)
@@ -48,7 +49,10 @@ def test_everything_that_was_accepted_is_announced_before_the_end(jobs: Jobs, va
 
 def test_bells_ring_at_once_and_are_marked_together_soon(jobs: Jobs, valkey: ValkeyServer) -> None:
     """A crowd of one moment needs no bell each: who hears one takes all he has room for."""
-    ringer, broker = Ringer(Doorbell(valkey.url, "here"), jobs), redis.Redis(unix_socket_path=str(valkey.socket_path))
+    ringer, broker = (
+        Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db)),
+        redis.Redis(unix_socket_path=str(valkey.socket_path)),
+    )
     ringer.start()
     first = accepted(jobs, 1)[0]
     ringer.ring(first)
@@ -56,7 +60,7 @@ def test_bells_ring_at_once_and_are_marked_together_soon(jobs: Jobs, valkey: Val
     assert wait_for(lambda: broker.llen(heard) == 1)
     assert wait_for(lambda: rung(jobs) == 1)
     crowd = accepted(jobs, BELLS + 10)
-    late = Ringer(Doorbell(valkey.url, "here"), jobs)
+    late = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
     for job in crowd:
         late.ring(job)
     late.start()
@@ -83,7 +87,7 @@ def test_a_job_that_was_taken_meanwhile_is_left_alone(jobs: Jobs, valkey: Valkey
 
 
 def test_a_broker_that_is_away_costs_one_attempt(jobs: Jobs, valkey: ValkeyServer) -> None:
-    ringer = Ringer(Doorbell(valkey.url, "here"), jobs)
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
     valkey.kill()
     for job in accepted(jobs, 50):
         ringer.ring(job)
@@ -94,7 +98,7 @@ def test_a_broker_that_is_away_costs_one_attempt(jobs: Jobs, valkey: ValkeyServe
     assert len(jobs.due_to_ring(60.0)) == 50, "the reconciler has them all"
     assert time.process_time() - began < 5
     valkey.start()
-    again = Ringer(Doorbell(valkey.url, "here"), jobs)
+    again = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
     late = accepted(jobs, 1)[0]
     again.start()
     again.ring(late)
