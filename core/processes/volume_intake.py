@@ -16,7 +16,8 @@ from core.io.nifti import read_volume
 from core.io.unit import Unit
 from core.label_volume import LabelVolume
 
-FACES_PER_SIDE = 6  # of the first surface, measured on spheres, for each side of a voxel between two labels
+FACES_PER_SIDE = 6  # of the first surface, measured on spheres, for each side of a voxel between a label and nothing
+SHARED = 1.5  # a side between two labels has one surface where one encloses the other, else two
 
 
 def take_in_volume(path: Path, file_name: str, unit: Unit, out_dir: Path) -> dict[str, Any]:
@@ -41,7 +42,7 @@ def take_in_volume(path: Path, file_name: str, unit: Unit, out_dir: Path) -> dic
                 {"label": label, "voxels": count, "volume_mm3": count * volume.voxel_mm3()}
                 for label, count in volume.counts().items()
             ],
-            "expected_faces": FACES_PER_SIDE * _sides_between_labels(volume),
+            "expected_faces": _expected_faces(volume),
         },
     }
 
@@ -55,8 +56,12 @@ def _extents_mm(volume: LabelVolume) -> NDArray[np.float64]:
     return extents
 
 
-def _sides_between_labels(volume: LabelVolume) -> int:
-    labels = volume.labels
-    inner = sum(int((np.diff(labels, axis=axis) != 0).sum()) for axis in range(3))
-    outer = sum(int((labels.take(place, axis=axis) > 0).sum()) for axis in range(3) for place in (0, -1))
-    return inner + outer
+def _expected_faces(volume: LabelVolume) -> int:
+    labels = np.pad(volume.labels, 1)
+    sides = 0.0
+    for axis in range(3):
+        first, second = (np.delete(labels, end, axis=axis) for end in (-1, 0))
+        differ = first != second
+        shared = int((differ & (first > 0) & (second > 0)).sum())
+        sides += int(differ.sum()) + (SHARED - 1.0) * shared
+    return int(FACES_PER_SIDE * sides)
