@@ -167,13 +167,22 @@ async def get_mesh_file(
     file_format: Annotated[
         FileFormat, Query(alias="format", description="`original`: the bytes as sent; all others in mm, as jobs read the mesh")
     ] = "original",
+    most_faces: Annotated[
+        int | None,
+        Query(
+            ge=1_000,
+            le=100_000_000,
+            description="Above so many faces a coarser mesh for the eye alone: it may be open and cut itself. Not of `original`",
+        ),
+    ] = None,
 ) -> Response:
     """The mesh as a file."""
     record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
     if file_format == "original":
         return send_download(request, await run_in_threadpool(_original, services, record))
     require_mesh(record)
-    download = await anyio.to_thread.run_sync(_export, services, record, file_format, folder, limiter=services.intake_slots)
+    export = partial(_export, services, record, file_format, most_faces, folder)
+    download = await anyio.to_thread.run_sync(export, limiter=services.intake_slots)
     return send_download(request, download)
 
 
@@ -187,7 +196,7 @@ def _original(services: Services, record: MeshRecord) -> Download:
     )
 
 
-def _export(services: Services, record: MeshRecord, file_format: str, folder: Path) -> Download:
+def _export(services: Services, record: MeshRecord, file_format: str, most_faces: int | None, folder: Path) -> Download:
     path = folder / "export"
     canonical = services.blobs.fetch(record.canonical_sha256, folder).absolute()
     payload = {
@@ -195,6 +204,7 @@ def _export(services: Services, record: MeshRecord, file_format: str, folder: Pa
         "out_path": str(path),
         "format": file_format,
         "name": record.name,
+        "most_faces": most_faces,
     }
     told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder, readable=[canonical])
     with path.open("rb") as file:

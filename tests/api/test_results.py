@@ -13,10 +13,12 @@ import pytest
 from api.downloads import content_disposition, requested_span
 from api.routes.meshes import FILE_MEDIA_TYPES
 from core.errors import InputError, InternalError, LimitError, StateError
+from core.io.registry import write_mesh
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import REPORT, REPORT_HTML, Live, problem_of
+from tests.solids import sphere
 
 PACKAGE = bytes(range(256)) * 4096  # 1 MiB: several chunks
 OUTPUTS = {
@@ -261,6 +263,23 @@ def test_meshes_come_in_every_format(api: Live, mesh_href: str, stl: bytes, file
         assert response.content == stl
     told = api.upload(response.content, f"again.{extension}").json()
     assert (told["vertices"], told["faces"], told["extents_mm"]) == (4, 4, [100.0, 100.0, 100.0])
+
+
+def test_a_large_mesh_is_thinned_for_the_eye_alone(api: Live, tmp_path: Path) -> None:
+    ball = sphere(50.0, 4)
+    write_mesh(ball, tmp_path / "ball.ply", "ply", "ball")
+    href = api.upload((tmp_path / "ball.ply").read_bytes(), "ball.ply").headers["location"]
+    coarse = api.client.get(f"{href}/file", params={"format": "stl", "most_faces": 1000})
+    told = api.upload(coarse.content, "coarse.stl").json()
+    assert 200 < told["faces"] <= 1000
+    assert all(90.0 < extent <= 100.0 for extent in told["extents_mm"])
+    whole = api.client.get(f"{href}/file", params={"format": "stl", "most_faces": len(ball.faces)})
+    assert whole.content == api.client.get(f"{href}/file", params={"format": "stl"}).content
+    assert api.client.get(f"{href}/file", params={"most_faces": 1000}).content == (tmp_path / "ball.ply").read_bytes()
+    assert (
+        problem_of(api.client.get(f"{href}/file?most_faces=10"), 422, "request.invalid")["errors"][0]["pointer"] == "most_faces"
+    )
+    assert api.is_clean()
 
 
 def test_a_converted_mesh_can_be_fetched_in_parts(api: Live, mesh_href: str) -> None:

@@ -1,3 +1,4 @@
+import { SHOWN_FACES } from "../mesh/thin_out";
 import type { ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
 import { ask, askJson } from "./server";
@@ -38,7 +39,10 @@ export function fetchTriangles(href: string): Promise<ReadMesh> {
 }
 
 async function fetchNow(href: string): Promise<ReadMesh> {
-  const isUpload = href.includes("/v1/meshes/");
-  const reply = await ask(isUpload ? `${href}/file?format=ply` : href);
-  return readMesh(await reply.arrayBuffer(), isUpload ? "ply" : "stl");
+  if (!href.includes("/v1/meshes/")) return readMesh(await (await ask(href)).arrayBuffer(), "stl");
+  const { faces, vertices } = await askJson<MeshInfo>(href);
+  const reply = await ask(`${href}/file?format=ply&most_faces=${SHOWN_FACES}`);
+  const mesh = await readMesh(await reply.arrayBuffer(), "ply");
+  if (faces === null || vertices === null || faces <= SHOWN_FACES) return mesh;
+  return { ...mesh, faces, vertices, thinned: true, closed: false }; // the server thinned it
 }
