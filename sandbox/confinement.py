@@ -7,6 +7,7 @@ import logging
 import os
 import resource
 import signal
+import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -78,6 +79,7 @@ def restrict(limits: Limits, scratch: Path, readable: Iterable[Path], target: st
     os.chdir(scratch)
     os.umask(0o077)
     os.environ["TMPDIR"] = str(scratch)
+    tempfile.tempdir = None  # forget what the parent found while it warmed up
     leave_network()
     _limit(resource.RLIMIT_CORE, 0, 0)
     _limit(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)

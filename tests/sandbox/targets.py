@@ -6,6 +6,7 @@ import ctypes
 import os
 import resource
 import signal
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from core.schema.finding import Finding, Place, Severity
 from sandbox.channel import Channel
 
 Payload = dict[str, Any]
+tempfile.gettempdir()  # as a library may that warms up: what it found is remembered
 
 
 def echo(payload: Payload, channel: Channel) -> Payload:
@@ -30,6 +32,7 @@ def describe_surroundings(payload: Payload, channel: Channel) -> Payload:
         "session": os.getsid(0),
         "folder": str(Path.cwd()),
         "environment": dict(os.environ),
+        "temporary": tempfile.gettempdir(),
         "descriptors": sorted(int(name) for name in os.listdir("/proc/self/fd")),
         "stdin": Path("/proc/self/fd/0").resolve().name,
         "umask": os.umask(0o077),

@@ -20,7 +20,7 @@ def test_a_child_has_nothing_it_does_not_need(limits: Limits, scratch: Path, mon
         nursery.stop()
     assert seen["session"] == seen["pid"] != nursery_pid
     assert seen["folder"] == str(scratch)
-    assert seen["environment"]["TMPDIR"] == str(scratch)
+    assert seen["environment"]["TMPDIR"] == seen["temporary"] == str(scratch)
     assert seen["environment"]["OMP_NUM_THREADS"] == "1"
     assert "secret" not in str(seen["environment"])
     assert seen["stdin"] == "null"
