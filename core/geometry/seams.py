@@ -90,6 +90,8 @@ class _Sizing:
         places, wanted = [], []
         for number in range(int(cut.piece.max()) + 1):
             line = np.unique(_seam_ends(cut, number))
+            if len(line) == 0:
+                continue  # a solid that came to lie in air
             points = cut.mesh.vertices[line]
             wall = np.median(sides[cut.piece == number])
             spread = float(np.ptp(points, axis=0).max())
