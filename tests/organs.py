@@ -8,7 +8,7 @@ from tests.solids import sphere
 PLACES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {  # centre, half axes; mm, y up
     "brain": ((0.0, 765.0, 40.0), (48.0, 42.0, 55.0)),
     "ventricles": ((0.0, 765.0, 40.0), (14.0, 12.0, 20.0)),
-    "heart": ((14.0, 420.0, 60.0), (34.0, 38.0, 26.0)),
+    "heart": ((14.0, 420.0, 60.0), (42.0, 42.0, 28.0)),
     "left_lung": ((72.0, 440.0, 35.0), (28.0, 70.0, 40.0)),
     "right_lung": ((-60.0, 440.0, 35.0), (28.0, 70.0, 40.0)),
 }

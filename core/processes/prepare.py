@@ -17,7 +17,7 @@ from core.processes.preparation.ears_step import fit_ears_of
 from core.processes.preparation.layers_step import make_layers_of
 from core.processes.preparation.proof_step import prove_surfaces
 from core.processes.preparation.separate_step import separate_tissues
-from core.processes.preparation.skin_steps import SKIN, decimate_skin, heal_skin
+from core.processes.preparation.skin_steps import SKIN, decimate_skin, heal_skin, smooth_skin
 from core.processes.preparation.step_log import BEGIN, StepLog
 from core.processes.preparation.tetrahedra_step import fill_all
 from core.processes.preparation.tissues_step import check_tissues
@@ -62,7 +62,7 @@ def _prepare(
     if inputs.heal is None:
         require_fit_skin(source.mesh, SKIN)
     healed = heal_skin(inputs, source.mesh, log)
-    skin = detach_parts(inputs, decimate_skin(inputs, healed, log), log)
+    skin = smooth_skin(inputs, detach_parts(inputs, decimate_skin(inputs, healed, log), log), log)
     inner_meshes = check_tissues(inputs, inner, skin, log)
     ears = fit_ears_of(inputs, skin, healed, solids, log)
     if ears is not None:

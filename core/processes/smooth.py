@@ -69,7 +69,7 @@ def run_smooth(inputs: SmoothInputs, meshes: Mapping[str, Mapping[str, Any]], ru
         min_gap_mm=inputs.min_gap_mm,
         summary=lambda report: _summary(report, delivered),
         find_broken=lambda after, _deviations: find_regressions(before, after, inputs.min_gap_mm),
-        methods=_methods(inputs, together=len(made) > 1),
+        methods=smoothing_methods(inputs, together=len(made) > 1),
         references=REFERENCES,
         parameters=asked,
         changes=tuple({"mesh": name, **change} for name, result in made.items() for change in result.changes),
@@ -91,6 +91,7 @@ def _summary(report: Report, delivered: Mapping[str, int]) -> str:
     return f"{'; '.join(rows)}."
 
 
-def _methods(inputs: SmoothInputs, *, together: bool) -> str:
+def smoothing_methods(inputs: SmoothInputs, *, together: bool) -> str:
+    """Citable; numbers are those of `REFERENCES`."""
     guards = GUARDS.format(together=TOGETHER.format(gap=inputs.min_gap_mm) if together else "")
     return METHODS[inputs.method] + guards + STOPS[inputs.stop] + PROOF

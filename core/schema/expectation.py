@@ -92,7 +92,7 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
 
 def _expect_chain(inputs: Mapping[str, Any], faces: int) -> Expectation:
     """Of `prepare`: one step after the other, so the memory of the hungriest and the time of all. Inner tissues count as if every
-    layer had their faces, too: who told them apart from the skin is not known here, and a chain rather waits for a larger host."""
+    layer had their faces, too: what is skin and what tissue is not known here, and a chain rather waits for a larger host."""
     layers = len(inputs.get("layers") or ())
     steps = [] if inputs.get("heal") is None else [expect("heal", {}, faces)]
     thin = inputs.get("decimate")

@@ -23,6 +23,7 @@ from core.schema.shells import (
     require_distinct,
     require_ordered,
 )
+from core.schema.smooth import SmoothInputs, SmoothParameters
 from core.schema.tetrahedralize import TetrahedraParameters
 from core.schema.validate import MeshName
 
@@ -65,6 +66,9 @@ class PrepareInputs(FrozenModel):
     decimate: DecimateParameters | None = Field(None, description="Thin the skin out before layers are made from it")
     detach: DetachSettings | None = Field(
         None, description="Set parts of the skin apart that are grown together where they touch, such as arms and torso"
+    )
+    smooth: SmoothParameters | None = Field(
+        None, description="Better triangles of the skin, or less noise; slivers leave layers no room"
     )
     ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] | None = Field(
         None, description="`auto` finds both ears of a whole body; or their boxes. Layers are thinner there"
@@ -132,6 +136,11 @@ class PrepareInputs(FrozenModel):
         """The request of the step; `decimate` is not null."""
         asked = {} if self.decimate is None else self.decimate.model_dump()
         return DecimateInputs.model_validate({"mesh": self.skin, "min_gap_mm": self.min_gap_mm, **asked})
+
+    def as_smooth(self) -> SmoothInputs:
+        """The request of the step; `smooth` is not null."""
+        asked = {} if self.smooth is None else self.smooth.model_dump()
+        return SmoothInputs.model_validate({"mesh": self.skin, "min_gap_mm": self.min_gap_mm, **asked})
 
     def as_ears(self) -> EarsInputs:
         """The request of the step; `ears` is not null."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -30,8 +30,8 @@ class SmoothRegion(FrozenModel):
     box_mm: Box
 
 
-class SmoothInputs(SurfacesInputs):
-    """Surfaces and how to smooth them. The defaults improve triangles and barely shrink: thesis 3.4 with the remedy it names."""
+class SmoothParameters(FrozenModel):
+    """How to smooth. The defaults improve triangles and barely shrink: thesis 3.4 with the remedy it names."""
 
     method: Method = Field(
         "hc",
@@ -64,7 +64,7 @@ class SmoothInputs(SurfacesInputs):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> SmoothInputs:
+    def _consistent(self) -> Self:
         for name, methods in OWN_PARAMETERS.items():
             # a job is stored with its defaults written down, so what was sent cannot be told from them
             if getattr(self, name) != type(self).model_fields[name].default and self.method not in methods:
@@ -75,3 +75,7 @@ class SmoothInputs(SurfacesInputs):
         if len(set(names)) != len(names):
             raise ValueError(f"regions must have different names: {names}")
         return self
+
+
+class SmoothInputs(SmoothParameters, SurfacesInputs):
+    """Surfaces and how to smooth them. The defaults improve triangles and barely shrink: thesis 3.4 with the remedy it names."""

@@ -1,4 +1,4 @@
-"""The steps that turn a skin into a better one: `heal`, `decimate`."""
+"""The steps that turn a skin into a better one: `heal`, `decimate`, `smooth`."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from core.processes.decimate import REFERENCES as DECIMATE_REFERENCES
 from core.processes.decimate import decimation_methods, decimation_summary
 from core.processes.heal import heal_surface, healing_methods, healing_summary
 from core.processes.preparation.step_log import STEPS, Draw, StepLog
+from core.processes.smooth import REFERENCES as SMOOTH_REFERENCES
+from core.processes.smooth import smoothing_methods
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.change_places import draw_change_places
 from core.reports.figures.compare import draw_comparison
@@ -23,6 +25,7 @@ from core.run import RunContext
 from core.schema.finding import Finding, Severity
 from core.schema.prepare import PrepareInputs
 from core.schema.report import Report, StepReport
+from core.smoothing.smooth import smooth
 from core.validation.comparison import compare_with_original
 from core.validation.requirements import require_fit_skin
 from core.validation.validate import Validation, validate
@@ -101,6 +104,34 @@ def decimate_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
         methods=decimation_methods(asked, together=False),
         references=DECIMATE_REFERENCES,
         draw=lambda _surfaces: _compared("decimate", skin, made),
+    )
+    return made.mesh
+
+
+def smooth_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
+    """With better triangles. Raises: InputError `surface.*`, `region.outside_mesh`."""
+    if inputs.smooth is None:
+        log.leave_out("smooth", "not asked for")
+        return skin
+    asked = inputs.as_smooth()
+
+    def work(run: RunContext) -> ChangedSkin:
+        before = validate({SKIN: skin}, run=run.stage("smooth: look at the skin", 0.0, 0.2))
+        made = smooth({SKIN: skin}, asked, run.stage("smooth", 0.2, 0.8))[SKIN]
+        return _changed(skin, made.mesh, before, made.changes, made.findings, run.stage("smooth: compare", 0.8, 1.0))
+
+    made = log.take("smooth", work, skin, asked.model_dump(mode="json", exclude={"mesh"}))
+    lowest = [found.meshes[SKIN].quality.minimum for found in (made.before, made.after)]
+    _tell(
+        log,
+        "smooth",
+        skin,
+        made,
+        summary=f"Lowest quality {lowest[0]:.2g} to {lowest[1]:.2g}, deviation up to {made.deviation.maximum_mm:.3g} mm.",
+        numbers={"lowest quality before": lowest[0], "lowest quality after": lowest[1]},
+        methods=smoothing_methods(asked, together=False),
+        references=SMOOTH_REFERENCES,
+        draw=lambda _surfaces: _compared("smooth", skin, made),
     )
     return made.mesh
 

@@ -26,9 +26,10 @@ MESHES = {"skin": SKIN, "canal": CANAL, "brain": BRAIN, "white": WHITE, "eye": E
 ASKED: dict[str, Any] = {
     "ears": [TIP],
     "decimate": {"target_ratio": 0.8},
+    "smooth": {"iterations": 2},
     "said": {"white": {"inside": "brain"}, "eye": {"conductivity_s_per_m": 1.5}},
 }
-STEPS = ["heal", "decimate", "detach", "tissues", "ears", "layers", "separate", "validate", "tetrahedra"]
+STEPS = ["heal", "decimate", "detach", "smooth", "tissues", "ears", "layers", "separate", "validate", "tetrahedra"]
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,7 @@ def test_every_tissue_is_a_region_of_the_tetrahedra(done: dict[str, Any], report
 def test_the_report_has_a_section_per_step(done: dict[str, Any], report: Report) -> None:
     assert [step.name for step in report.steps] == STEPS
     assert {step.name: step.outcome for step in report.steps} == {**dict.fromkeys(STEPS, "done"), "detach": "not_needed"}
-    assert report.steps[6].numbers["tissues moved"] == 2
+    assert report.steps[7].numbers["tissues moved"] == 2
     heal = report.steps[0]
     assert (heal.numbers["faces before"], heal.numbers["faces after"]) == (2047, 2048)
     assert "holes" in heal.summary
@@ -124,7 +125,7 @@ def test_a_failing_step_leaves_the_results_before_it(first: Attempt, tmp_path: P
     report = report_in(attempt.out)
     outcomes = {step.name: step.outcome for step in report.steps}
     ended = {"detach": "not_needed", "separate": "not_needed", "validate": "failed", "tetrahedra": "not_reached"}
-    assert outcomes == {**dict.fromkeys(STEPS[:6], "done"), **ended}
+    assert outcomes == {**dict.fromkeys(STEPS[:7], "done"), **ended}
     record = {step["name"]: step for step in json.loads(left["steps"].read_bytes())["steps"]}
     assert record["layers"]["taken_from_attempt_before"]
     assert record["validate"]["outcome"] == "failed"
