@@ -89,7 +89,7 @@ def _draw(figure: Sheet, box: Box, place: _Place, meshes: Mapping[str, Mesh], co
 
 
 def _farthest(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> list[_Place]:
-    """The farthest moves of all surfaces, none within the window of another."""
+    """The farthest moves, of different surfaces while there are any, none within the window of another."""
     names, points, ways = [], [], []
     for name, mesh in before.items():
         way = after[name].vertices - mesh.vertices
@@ -98,12 +98,15 @@ def _farthest(before: Mapping[str, Mesh], after: Mapping[str, Mesh]) -> list[_Pl
         points.append(mesh.vertices[moved])
         ways.append(way[moved])
     point, way = np.concatenate(points), np.concatenate(ways)
+    farthest_first = np.argsort(-np.linalg.norm(way, axis=1), kind="stable")
     places: list[_Place] = []
-    for number in np.argsort(-np.linalg.norm(way, axis=1), kind="stable"):
-        if len(places) == MOST_PLACES:
-            break
-        if all(np.linalg.norm(point[number] - place.point) > place.window_mm for place in places):
-            places.append(_Place(names[number], point[number], way[number]))
+    for other_surfaces in (True, False):
+        for number in farthest_first:
+            if len(places) == MOST_PLACES:
+                return places
+            seen = other_surfaces and any(place.name == names[number] for place in places)
+            if not seen and all(np.linalg.norm(point[number] - place.point) > place.window_mm for place in places):
+                places.append(_Place(names[number], point[number], way[number]))
     return places
 
 

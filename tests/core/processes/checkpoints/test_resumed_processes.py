@@ -33,6 +33,7 @@ CASES: dict[str, tuple[str, dict[str, Mesh], dict[str, Any], int]] = {
     "heal": ("heal", {"a": without_faces(SMALL, [3]), "b": LARGE}, {}, 4),
     "decimate": ("decimate", {"a": SMALL, "b": LARGE}, {"target_ratio": 0.5}, 4),
     "smooth": ("smooth", {"a": SMALL, "b": LARGE}, {"iterations": 2}, 3),
+    "separate": ("separate", {"a": LARGE, "b": sphere(50.0, 2, at=(3.0, 0.0, 0.0))}, {}, 3),
     "graft": ("graft", {"base": LARGE, "donor": SMALL}, {"regions": TOP, "max_distance_mm": 5.0}, 2),
     "validate": ("validate", {"a": SMALL, "b": LARGE, "both": together(SMALL, LARGE)}, {}, 1),
 }
@@ -52,7 +53,7 @@ class Attempt:
             canonical.save(mesh, folder / f"{number}.mesh")
             entries[href] = {"path": str(folder / f"{number}.mesh"), "name": name, "sha256": f"{number:064d}"}
             links[name] = {"href": href}
-        if process in ("heal", "decimate", "smooth", "validate"):
+        if process in ("heal", "decimate", "smooth", "separate", "validate"):
             links = {"meshes": links}
         if process == "ears":
             links["canals"] = [links.pop("canal")]
