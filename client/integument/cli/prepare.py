@@ -13,6 +13,7 @@ from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import (
     BOX_FORM,
     REGION_FORM,
+    read_box,
     read_depths,
     read_layers,
     read_region,
@@ -36,6 +37,7 @@ from integument.cli.tissue_text import read_conductivities, read_pairs
 from integument.errors import ArgumentError
 
 TISSUE_FORM = "NAME=MESH"
+MOST_SMOOTHED_MM = 1.0
 
 
 def register(app: typer.Typer) -> None:
@@ -52,6 +54,13 @@ def prepare(
         float | None, typer.Option("--decimate", metavar="SHARE", help="Thin the skin out to this share of its faces.")
     ] = None,
     faces: Annotated[int | None, typer.Option(metavar="N", help="Thin the skin out to at most so many faces.")] = None,
+    detach: Annotated[
+        list[str] | None,
+        typer.Option(metavar="BOX", help=f"Box round parts that are grown together where they touch, {BOX_FORM} in mm; repeat."),
+    ] = None,
+    smooth: Annotated[
+        bool, typer.Option("--smooth", help="Smooth the skin for better triangles, no vertex farther than 1 mm.")
+    ] = False,
     boxes: Annotated[
         list[str] | None, typer.Option("--ears", metavar="BOX", help=f"auto: find both ears; or a box, {BOX_FORM} in mm; repeat.")
     ] = None,
@@ -82,6 +91,12 @@ def prepare(
     conductivity: Annotated[
         list[str] | None, typer.Option(metavar="NAME=S/M", help="Conductivity of a tissue, in S/m; default is that of its name.")
     ] = None,
+    separate: Annotated[
+        bool, typer.Option("--separate/--no-separate", help="Move tissues that touch or cross apart, or refuse them.")
+    ] = True,
+    tissue_gap: Annotated[
+        float | None, typer.Option(metavar="MM", help="Gap to open between tissues that touch or cross; default 0.1.")
+    ] = None,
     thin_policy: ThinPolicyOption = "adapt",
     min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,
@@ -105,15 +120,22 @@ def prepare(
     ] = None,
     report: ReportOption = None,
 ) -> None:
-    """Prepare a model: heal, decimate, ears, layers, inner tissues, proof, tetrahedra, package, in one job that resumes."""
+    """Prepare a model: heal, decimate, detach, smooth, ears, layers, tissues, proof, tetrahedra, package; in one job."""
     options = options_of(ctx)
     if not tetrahedra and (radius_edge is not None or max_volume or volume is not None):
         raise ArgumentError("--radius-edge, --max-volume and --volume are about tetrahedra; they do not go with --no-tetrahedra")
     if ratio is not None and faces is not None:
         raise ArgumentError("--decimate and --faces both say how far to thin out; give one")
+    if not separate and tissue_gap is not None:
+        raise ArgumentError("--tissue-gap does not go with --no-separate")
     inputs: dict[str, Any] = {"thin_policy": thin_policy}
-    inputs |= {} if heal else {"heal": None}
-    inputs |= {} if tetrahedra else {"tetrahedra": None}
+    inputs |= {name: None for name, asked in (("heal", heal), ("separate", separate), ("tetrahedra", tetrahedra)) if not asked}
+    if detach:
+        inputs["detach"] = {"regions": [read_box(text, "--detach") for text in detach]}
+    if smooth:
+        inputs["smooth"] = {"retriangulate": True, "max_shift_mm": MOST_SMOOTHED_MM}
+    if tissue_gap is not None:
+        inputs["separate"] = {"gap_mm": tissue_gap}
     if ratio is not None or faces is not None:
         inputs["decimate"] = {"target_ratio": ratio} if faces is None else {"target_faces": faces}
     if boxes:
