@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import time
+from typing import cast
 
 from sqlalchemy import Connection
 
@@ -17,8 +18,7 @@ def begin_to_write(connection: Connection, patience_s: float) -> None:
     the other process writes meanwhile, and again.
 
     Raises OperationalError, as SQLAlchemy wraps it, if the turn does not come within `patience_s`."""
-    driver = connection.connection.dbapi_connection
-    assert isinstance(driver, sqlite3.Connection)
+    driver = cast(sqlite3.Connection, connection.connection.dbapi_connection)
     driver.execute("PRAGMA busy_timeout=0")
     try:
         latest, wait_s = time.monotonic() + patience_s, FIRST_LOOK_S

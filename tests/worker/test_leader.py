@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -64,9 +65,9 @@ def test_another_follows_a_leader_that_is_gone(service: Service, number: signal.
 
 
 def test_only_who_leads_looks_after_jobs(workshop: Workshop) -> None:
+    settings = workshop.settings.model_copy(update={"reconcile_s": 60})  # nobody is silent for so long that he is followed
     first, second = (
-        Reconciler(Workshop.open(workshop.settings), Liveness(workshop.settings)),
-        Reconciler(workshop, Liveness(workshop.settings)),
+        Reconciler(replace(shop, settings=settings), Liveness(settings)) for shop in (Workshop.open(settings), workshop)
     )
     first._leadership._candidate = "another:1"
     first.look()

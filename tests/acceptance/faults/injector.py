@@ -154,13 +154,13 @@ class Injector:
         return False
 
     def _strike_connection(self, fault: Fault, _server: str) -> bool:
-        backends = [
-            process for process in self._premises.postgres.family()[1:] if "integument" in " ".join(process.cmdline())
-        ]  # its chores have other names
+        backends = [process for process in self._premises.postgres.family()[1:] if _serves_us(process)]
         if not backends or self._is_paused("postgres"):
             return False
-        backends[fault.draw % len(backends)].kill()
-        return True
+        with suppress(psutil.NoSuchProcess):
+            backends[fault.draw % len(backends)].kill()
+            return True
+        return False
 
     def _strike_server(self, fault: Fault, name: str) -> bool:
         server = self._premises.valkey if name == "valkey" else self._premises.postgres
@@ -216,3 +216,11 @@ def _catches(pid: int, number: signal.Signals) -> bool:
         return False
     caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
     return bool(int(caught.partition(":")[2], 16) >> (number - 1) & 1)
+
+
+def _serves_us(process: psutil.Process) -> bool:
+    """False for the server's chores, which have other names, and for what has just ended."""
+    try:
+        return "integument" in " ".join(process.cmdline())
+    except psutil.NoSuchProcess:
+        return False
