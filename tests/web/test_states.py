@@ -37,7 +37,7 @@ def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -
 
 
 @pytest.mark.parametrize(("size", "dark"), [(DESK, False), (PHONE, True)], ids=["1280-light", "390-dark"])
-@pytest.mark.parametrize("place", ["", "new", "jobs", "nowhere"])
+@pytest.mark.parametrize("place", ["", "new", "jobs", "cohorts", "nowhere"])
 def test_every_page_is_usable_and_fits(api: Live, browser: Browser, place: str, size: dict[str, int], dark: bool) -> None:
     with visit(browser, api.url, size=size, dark=dark) as seen:
         seen.page.goto(f"/#/{place}")

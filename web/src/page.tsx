@@ -1,5 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import icon from "./icon.svg";
+import { CohortPage } from "./pages/cohort";
+import { CohortsPage } from "./pages/cohorts";
 import { ComparePage } from "./pages/compare";
 import { JobPage } from "./pages/job";
 import { JobsPage } from "./pages/jobs";
@@ -14,6 +16,7 @@ const NAVIGATION = [
   ["", "Meshes"],
   ["new", "New job"],
   ["jobs", "Jobs"],
+  ["cohorts", "Cohorts"],
 ] as const;
 
 function Body({ place }: { place: Place }) {
@@ -23,7 +26,13 @@ function Body({ place }: { place: Place }) {
     case "new":
       return <NewJobPage query={place.query} />;
     case "jobs":
-      return place.path[1] ? <JobPage id={place.path[1]} /> : <JobsPage />;
+      return place.path[1] ? (
+        <JobPage id={place.path[1]} />
+      ) : (
+        <JobsPage place={place.query} key={place.query.get("label") ?? ""} />
+      );
+    case "cohorts":
+      return place.path[1] ? <CohortPage id={place.path[1]} /> : <CohortsPage />;
     case "compare":
       return <ComparePage a={place.query.get("a") ?? ""} b={place.query.get("b") ?? ""} />;
     default:

@@ -18,6 +18,15 @@ export function listJobs(query: URLSearchParams, signal?: AbortSignal): Promise<
   return askJson(`/v1/jobs?${query}`, signal ? { signal } : {});
 }
 
+/** Another name (null: none) and other labels. */
+export function relabelJob(id: string, name: string | null, labels: string[]): Promise<Job> {
+  return askJson(`/v1/jobs/${id}`, {
+    method: "PATCH",
+    body: JSON.stringify({ name, labels }),
+    headers: { "Content-Type": "application/json" },
+  });
+}
+
 /** Takes a live job back; removes a finished one with its results. */
 export async function dismissJob(id: string): Promise<void> {
   await ask(`/v1/jobs/${id}`, { method: "DELETE" });

@@ -9,8 +9,13 @@ import type { MeshInfo, Vector } from "./types";
 const KEPT = 12;
 const kept = new Map<string, Promise<ReadMesh>>();
 
-export function listMeshes(signal: AbortSignal): Promise<{ meshes: MeshInfo[]; next?: string }> {
-  return askJson("/v1/meshes?limit=100", { signal });
+export function listMeshes(
+  signal: AbortSignal,
+  limit = 100,
+  search = "",
+): Promise<{ meshes: MeshInfo[]; next?: string }> {
+  const query = new URLSearchParams({ limit: String(limit), ...(search ? { q: search } : {}) });
+  return askJson(`/v1/meshes?${query}`, { signal });
 }
 
 export async function deleteMesh(id: string): Promise<void> {

@@ -69,6 +69,10 @@ export interface Failure {
 export interface Job {
   jobID: string;
   processID: string;
+  name?: string;
+  labels: string[];
+  cohortID?: string;
+  subject?: string;
   status: JobStatus;
   message: string;
   progress: number;

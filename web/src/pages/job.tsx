@@ -2,6 +2,7 @@ import { isOver } from "../api/jobs";
 import type { Job } from "../api/types";
 import { Failure } from "../parts/failure";
 import { JobActions } from "../parts/job_actions";
+import { JobWords, JobWordsForm } from "../parts/job_words";
 import { type LogLine, useLiveJob } from "../parts/live_job";
 import { ResultView } from "../parts/result_view";
 import { StatusTag } from "../parts/status_tag";
@@ -22,6 +23,7 @@ export function JobPage({ id }: { id: string }) {
           <StatusTag job={job} />
           <Verdict verdict={job.verdict} />
           <span class="mono muted">{job.jobID}</span>
+          <JobWords job={job} />
         </div>
         <JobActions job={job} onChanged={again} onGone={() => goTo("#/jobs")} />
       </div>
@@ -40,6 +42,7 @@ export function JobPage({ id }: { id: string }) {
         </div>
       )}
       {isOver(job) && job.status !== "dismissed" ? <ResultView job={job} /> : null}
+      <JobWordsForm job={job} onChanged={again} />
       <Log log={log} job={job} />
     </>
   );

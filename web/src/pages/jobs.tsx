@@ -1,7 +1,9 @@
 import { useEffect, useState } from "preact/hooks";
 import { isOver, type JobPage, listJobs } from "../api/jobs";
-import type { Job, JobStatus } from "../api/types";
+import type { JobStatus } from "../api/types";
 import { Failure } from "../parts/failure";
+import { JobWords } from "../parts/job_words";
+import { SearchBox, useSettled } from "../parts/search_box";
 import { StatusTag } from "../parts/status_tag";
 import { Verdict } from "../parts/verdict";
 import { goTo } from "../router";
@@ -12,9 +14,10 @@ const WAITED_LONG_MS = 45_000;
 const STATUSES: readonly JobStatus[] = ["accepted", "running", "successful", "failed", "dismissed"];
 
 /** The jobs of the workspace, newest first; looked at again while this page is open. */
-export function JobsPage() {
+export function JobsPage({ place }: { place: URLSearchParams }) {
   const [status, setStatus] = useState("");
-  const [search, setSearch] = useState("");
+  const search = useSettled("");
+  const [label, setLabel] = useState(place.get("label") ?? "");
   const [limit, setLimit] = useState(50);
   const [page, setPage] = useState<JobPage | null>(null);
   const [error, setError] = useState<unknown>(null);
@@ -25,6 +28,8 @@ export function JobsPage() {
     const look = async () => {
       try {
         const query = new URLSearchParams({ limit: String(limit), ...(status ? { status } : {}) });
+        if (search.settled) query.set("q", search.settled);
+        if (label) query.set("label", label);
         setPage(await listJobs(query, aborter.signal));
         setError(null);
       } catch (reason) {
@@ -38,9 +43,9 @@ export function JobsPage() {
       aborter.abort();
       clearTimeout(timer);
     };
-  }, [status, limit]);
-  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
-  const found = (page?.jobs ?? []).filter((job) => words.every((word) => textOf(job).includes(word)));
+  }, [status, limit, search.settled, label]);
+  const found = page?.jobs ?? [];
+  const narrowed = Boolean(search.settled || label || status);
   const waiting = (page?.jobs ?? []).filter((job) => job.status === "accepted");
   const running = (page?.jobs ?? []).some((job) => job.status === "running");
   const unserved = !running && waiting.some((job) => Date.now() - Date.parse(job.created) > WAITED_LONG_MS);
@@ -51,15 +56,12 @@ export function JobsPage() {
       <div class="heading">
         <h1>Jobs</h1>
         <div class="row">
-          <label class="row">
-            <span class="hidden-label">Search</span>
-            <input
-              type="search"
-              placeholder="Search"
-              value={search}
-              onInput={(event) => setSearch(event.currentTarget.value)}
-            />
-          </label>
+          <SearchBox label="Search" search={search} />
+          {label && (
+            <button type="button" class="tag" aria-label={`No longer only ${label}`} onClick={() => setLabel("")}>
+              {label} ×
+            </button>
+          )}
           <label class="row">
             <span class="hidden-label">Status</span>
             <select value={status} onChange={(event) => setStatus(event.currentTarget.value)}>
@@ -90,7 +92,7 @@ export function JobsPage() {
       )}
       {!page && !error && <p class="empty">Loading…</p>}
       {page && found.length === 0 && (
-        <p class="card empty">{page.jobs.length === 0 ? "No jobs yet." : "No job matches the search."}</p>
+        <p class="card empty">{narrowed ? "No job matches the search." : "No jobs yet."}</p>
       )}
       {found.length > 0 && (
         <div class="card scroll-x">
@@ -122,6 +124,7 @@ export function JobsPage() {
                   <td>
                     <a href={`#/jobs/${job.jobID}`}>{job.processID}</a>{" "}
                     <span class="mono muted">{job.jobID.slice(0, 8)}</span>
+                    <JobWords job={job} onLabel={setLabel} />
                   </td>
                   <td>
                     <StatusTag job={job} />
@@ -158,10 +161,4 @@ export function JobsPage() {
       )}
     </>
   );
-}
-
-function textOf(job: Job): string {
-  return [job.processID, job.jobID, job.status, job.summary, job.failure?.message, job.failure?.code, job.verdict]
-    .join(" ")
-    .toLowerCase();
 }

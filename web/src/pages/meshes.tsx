@@ -1,4 +1,4 @@
-import { useMemo, useState } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import { deleteMesh, listMeshes } from "../api/meshes";
 import type { MeshInfo } from "../api/types";
 import { ConfirmedButton } from "../parts/confirmed_button";
@@ -7,6 +7,7 @@ import { Failure } from "../parts/failure";
 import { Findings } from "../parts/findings";
 import { useLoaded } from "../parts/loaded";
 import { QuickCheck } from "../parts/quick_check";
+import { SearchBox, useSettled } from "../parts/search_box";
 import { useTriangles } from "../parts/triangles_of";
 import { type Local, UploadItem } from "../parts/upload_item";
 import { ViewerPane } from "../parts/viewer_pane";
@@ -17,14 +18,21 @@ import type { Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import { sayCount, sayVoxels, sayWhen } from "../words";
 
+const FEW = 5;
+
 /** The way in: drop files, say their unit, see them, go on to a job. */
 export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
-  const list = useLoaded("meshes", listMeshes);
+  const search = useSettled("");
+  const [limit, setLimit] = useState(100);
+  const list = useLoaded(`meshes ${limit} ${search.settled}`, (signal) => listMeshes(signal, limit, search.settled));
+  const before = useRef(list.value); // is shown until the next page of the list is here
+  if (list.value) before.current = list.value;
   const [files, setFiles] = useState<{ number: number; file: File }[]>([]);
   const [local, setLocal] = useState<Local | null>(null);
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [refused, setRefused] = useState<unknown>(null);
-  const meshes = list.value?.meshes ?? [];
+  const page = list.value ?? before.current;
+  const meshes = page?.meshes ?? [];
   const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
   const fetched = useTriangles(chosen && !chosen.volume ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
   const shown = local?.mesh ?? (chosen ? fetched.meshes[chosen.name] : undefined);
@@ -69,7 +77,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
     viewer?.setMarkers([{ point, severity: "warning" }]);
     viewer?.flyTo(point);
   };
-  const nothing = !list.loading && !list.error && meshes.length === 0 && files.length === 0;
+  const nothing = !list.loading && !list.error && !search.settled && meshes.length === 0 && files.length === 0;
   return (
     <>
       <div class="heading">
@@ -77,7 +85,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
       </div>
       {list.error ? <Failure error={list.error} again={list.again} /> : null}
       {refused ? <Failure error={refused} /> : null}
-      {list.loading && !list.value && <p class="empty">Looking what the server holds…</p>}
+      {list.loading && !page && <p class="empty">Looking what the server holds…</p>}
       {nothing && (
         <div class="stack">
           <DropZone onFiles={add} />
@@ -102,7 +110,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
           </ol>
         </div>
       )}
-      {(files.length > 0 || meshes.length > 0) && (
+      {(files.length > 0 || meshes.length > 0 || search.settled) && (
         <div class="bench">
           <div class="view">
             <ViewerPane
@@ -133,6 +141,8 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                 onRemove={() => remove(number)}
               />
             ))}
+            {(search.typed || meshes.length > FEW) && <SearchBox label="Search meshes" search={search} />}
+            {meshes.length === 0 && search.settled && <p class="card empty">No mesh matches the search.</p>}
             <ul class="list" aria-label="Meshes on the server">
               {meshes.map((mesh) => (
                 <li key={mesh.id} class={mesh === chosen ? "item chosen" : "item"}>
@@ -171,6 +181,13 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                 </li>
               ))}
             </ul>
+            {page?.next && limit < 1000 && (
+              <div class="row">
+                <button type="button" onClick={() => setLimit(Math.min(1000, limit * 4))}>
+                  Show older ones
+                </button>
+              </div>
+            )}
           </div>
         </div>
       )}

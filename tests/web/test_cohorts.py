@@ -1,0 +1,83 @@
+"""Search and labels of the lists, and cohorts in the page: chosen, watched, taken back; names are text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from store.job_words import JobWords
+from store.settings import Settings
+from store.workspace import DEFAULT_WORKSPACE
+from tests.api.live import Live, serving
+from tests.core.io.stl_bytes import binary_stl
+from tests.valkey import ValkeyServer
+from tests.web.browser import chromium, visit
+
+HOSTILE = "<img src=x onerror=alert(1)>"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -> Iterator[Live]:
+    """No worker: what is asked for waits."""
+    settings = Settings(data_dir=tmp_path_factory.mktemp("page"), broker_url=shared_valkey.url, queue="tests-cohorts", port=0)
+    with serving(settings) as live:
+        yield live
+
+
+def test_jobs_are_found_beyond_those_that_are_shown(api: Live, browser: Browser) -> None:
+    jobs = api.services.jobs
+    wanted = jobs.create(DEFAULT_WORKSPACE, "validate", {}, words=JobWords(f"needle {HOSTILE}", ("pilot", HOSTILE)))
+    for number in range(60):
+        jobs.create(DEFAULT_WORKSPACE, "validate", {}, words=JobWords(f"hay {number}"))
+    with visit(browser, api.url) as seen:
+        seen.page.goto("/#/jobs")
+        expect(seen.page.get_by_text("hay 59")).to_be_visible()
+        expect(seen.page.get_by_text(wanted.id[:8])).to_have_count(0)
+        seen.page.get_by_placeholder("Search").fill("NEEDLE")
+        expect(seen.page.get_by_text(wanted.id[:8])).to_be_visible()
+        expect(seen.page.get_by_text("hay 59")).to_have_count(0)
+        seen.page.get_by_role("button", name="pilot").click()
+        seen.page.get_by_placeholder("Search").fill("")
+        expect(seen.page.get_by_role("button", name="No longer only pilot")).to_be_visible()
+        seen.page.get_by_role("link", name="validate").click()
+        expect(seen.page.get_by_text(f"needle {HOSTILE}").first).to_be_visible()
+        seen.page.get_by_text("Name and labels").click()
+        seen.page.get_by_label("Labels, separated by commas").fill("ages, pilot")
+        seen.page.get_by_role("button", name="Save").click()
+        expect(seen.page.get_by_role("link", name="ages")).to_be_visible()
+        assert seen.page.locator("img[src='x']").count() == 0
+        assert seen.barriers() == []
+    assert jobs.get(DEFAULT_WORKSPACE, wanted.id).labels == ("ages", "pilot")
+
+
+def test_a_cohort_is_chosen_watched_and_taken_back(api: Live, browser: Browser) -> None:
+    for name in ("Anna", HOSTILE):
+        assert api.client.post("/v1/meshes", data={"name": name}, files={"file": ("a.stl", binary_stl())}).status_code == 201
+    with visit(browser, api.url) as seen:
+        seen.page.goto("/#/cohorts")
+        expect(seen.page.get_by_text("No cohorts yet")).to_be_visible()
+        seen.page.get_by_label("Name").fill("Pilot")
+        seen.page.get_by_label("Process").select_option("validate")
+        for name in ("Anna", HOSTILE):
+            seen.page.get_by_label(name).check()
+        assert seen.barriers() == []
+        seen.page.get_by_role("button", name="Start the cohort").click()
+        expect(seen.page.get_by_role("heading", name="Pilot")).to_be_visible()
+        expect(seen.page.get_by_role("link", name=HOSTILE)).to_be_visible()
+        assert seen.page.locator("img[src='x']").count() == 0
+        assert seen.barriers() == []
+        seen.page.get_by_role("button", name="Dismiss").click()
+        expect(seen.page.get_by_role("button", name="Retry what failed")).to_be_visible()
+        seen.picture("cohort")
+        seen.page.goto("/#/cohorts")
+        expect(seen.page.get_by_role("link", name="Pilot")).to_be_visible()
+    [cohort] = api.services.cohorts.list(DEFAULT_WORKSPACE).items
+    assert {job.subject for job in api.services.cohorts.jobs(DEFAULT_WORKSPACE, cohort.id)} == {"Anna", HOSTILE}

@@ -1,0 +1,69 @@
+import { ask, askJson, sendJson } from "./server";
+import type { Job, JobStatus, ResultReference } from "./types";
+
+export interface Cohort {
+  id: string;
+  processID: string;
+  name?: string;
+  labels: string[];
+  status: "running" | "summarizing" | "finished";
+  progress: number;
+  subjects: number;
+  counts: Record<JobStatus | "refused", number>;
+  ready: number;
+  refused?: { subject: string; code: string; message: string }[];
+  round: number;
+  created: string;
+  summaryJob?: string;
+}
+
+export interface CohortPage {
+  cohorts: Cohort[];
+  next?: string;
+}
+
+export interface CohortSettings {
+  process: string;
+  name?: string;
+  inputs: Record<string, unknown>;
+}
+
+export function listCohorts(signal: AbortSignal): Promise<CohortPage> {
+  return askJson("/v1/cohorts?limit=200", { signal });
+}
+
+export function getCohort(id: string, signal: AbortSignal): Promise<Cohort> {
+  return askJson(`/v1/cohorts/${id}`, { signal });
+}
+
+/** Of all subjects, in the order of the request. */
+export async function cohortJobs(id: string, signal: AbortSignal): Promise<Job[]> {
+  const { jobs } = await askJson<{ jobs: Job[] }>(`/v1/jobs?cohort=${id}&limit=1000`, { signal });
+  return jobs.reverse();
+}
+
+export function createCohort(settings: CohortSettings, meshes: string[]): Promise<Cohort> {
+  const subjects = meshes.map((id) => ({ mesh: { href: `/v1/meshes/${id}` } }));
+  return sendJson("/v1/cohorts", { ...settings, subjects }, { "Idempotency-Key": crypto.randomUUID() });
+}
+
+export function createCohortOfArchive(settings: CohortSettings, archive: File, unit: string): Promise<Cohort> {
+  const form = new FormData();
+  form.set("unit", unit);
+  form.set("cohort", JSON.stringify(settings));
+  form.set("file", archive);
+  const headers = { "Idempotency-Key": crypto.randomUUID() };
+  return askJson("/v1/cohorts/archive", { method: "POST", body: form, headers });
+}
+
+export function retryCohort(id: string): Promise<Cohort> {
+  return sendJson(`/v1/cohorts/${id}/retry`, {});
+}
+
+export async function dismissCohort(id: string): Promise<void> {
+  await ask(`/v1/cohorts/${id}`, { method: "DELETE" });
+}
+
+export function cohortResults(id: string): Promise<Record<string, ResultReference>> {
+  return askJson(`/v1/cohorts/${id}/results`);
+}

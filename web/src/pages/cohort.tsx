@@ -1,0 +1,154 @@
+import { useEffect, useState } from "preact/hooks";
+import { type Cohort, cohortJobs, cohortResults, dismissCohort, getCohort, retryCohort } from "../api/cohorts";
+import type { Job } from "../api/types";
+import { ConfirmedButton } from "../parts/confirmed_button";
+import { Failure } from "../parts/failure";
+import { saveFrom } from "../parts/save";
+import { StatusTag } from "../parts/status_tag";
+import { Verdict } from "../parts/verdict";
+import { goTo } from "../router";
+
+const LOOK_MS = 2000;
+const FILES = [
+  ["table", "Table (CSV)", "summary.csv"],
+  ["report_html", "Summary (HTML)", "report.html"],
+  ["summary", "Summary (JSON)", "summary.json"],
+  ["packages", "All results (zip)", "results.zip"],
+] as const;
+
+/** One cohort: a line per subject, and the summary when all have ended. */
+export function CohortPage({ id }: { id: string }) {
+  const [cohort, setCohort] = useState<Cohort | null>(null);
+  const [jobs, setJobs] = useState<Job[]>([]);
+  const [error, setError] = useState<unknown>(null);
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    const aborter = new AbortController();
+    let timer = 0;
+    const look = async () => {
+      let over = false;
+      try {
+        const now = await getCohort(id, aborter.signal);
+        setJobs(await cohortJobs(id, aborter.signal));
+        setCohort(now);
+        setError(null);
+        over = now.status === "finished";
+      } catch (reason) {
+        if (aborter.signal.aborted) return;
+        setError(reason);
+      }
+      if (!over) timer = window.setTimeout(look, LOOK_MS);
+    };
+    void look();
+    return () => {
+      aborter.abort();
+      clearTimeout(timer);
+    };
+  }, [id, turn]);
+  const act = async (action: () => Promise<unknown>, then = () => setTurn(turn + 1)) => {
+    try {
+      await action();
+      then();
+    } catch (reason) {
+      setError(reason);
+    }
+  };
+  const save = (name: string, fileName: string) =>
+    act(async () => {
+      const found = (await cohortResults(id))[name];
+      if (found) await saveFrom(new URL(found.href).pathname, fileName);
+    });
+  if (!cohort) return error ? <Failure error={error} /> : <p class="empty">Loading…</p>;
+  const live = cohort.counts.accepted + cohort.counts.running;
+  const failed = cohort.counts.failed + cohort.counts.dismissed;
+  return (
+    <>
+      <div class="heading">
+        <h1>{cohort.name ?? "Cohort"}</h1>
+        <div class="row">
+          {live === 0 && failed > 0 && (
+            <button type="button" onClick={() => act(() => retryCohort(id))}>
+              Retry what failed
+            </button>
+          )}
+          {live > 0 ? (
+            <button type="button" class="danger" onClick={() => act(() => dismissCohort(id))}>
+              Dismiss
+            </button>
+          ) : (
+            <ConfirmedButton
+              label="Remove with its results"
+              about="Remove the cohort with its results"
+              onConfirmed={() =>
+                void act(
+                  () => dismissCohort(id),
+                  () => goTo("#/cohorts"),
+                )
+              }
+            />
+          )}
+        </div>
+      </div>
+      {error ? <Failure error={error} /> : null}
+      <section class="card stack" aria-label="Progress">
+        <p aria-live="polite">
+          {cohort.processID}: {cohort.ready} of {cohort.subjects} subjects are ready, {live} wait or run,{" "}
+          {cohort.counts.failed} failed, {cohort.counts.refused} refused.
+        </p>
+        <progress value={cohort.progress} max={100} aria-label="Progress of the cohort" />
+        {cohort.status === "finished" && cohort.summaryJob && (
+          <div class="row">
+            {FILES.map(([name, title, fileName]) => (
+              <button key={name} type="button" onClick={() => save(name, fileName)}>
+                {title}
+              </button>
+            ))}
+            <a class="button" href={`#/jobs/${cohort.summaryJob}`}>
+              Summary job
+            </a>
+          </div>
+        )}
+      </section>
+      <div class="card scroll-x">
+        <table>
+          <thead>
+            <tr>
+              <th>Subject</th>
+              <th>Status</th>
+              <th>Verdict</th>
+              <th>What</th>
+            </tr>
+          </thead>
+          <tbody>
+            {jobs.map((job) => (
+              <tr key={job.jobID}>
+                <td>
+                  <a href={`#/jobs/${job.jobID}`}>{job.subject}</a>
+                </td>
+                <td>
+                  <StatusTag job={job} />
+                </td>
+                <td>
+                  <Verdict verdict={job.verdict} />
+                </td>
+                <td>{job.summary ?? job.failure?.message ?? job.phase ?? job.message}</td>
+              </tr>
+            ))}
+            {cohort.refused?.map((one) => (
+              <tr key={one.subject}>
+                <td>{one.subject}</td>
+                <td>
+                  <span class="tag bad">refused</span>
+                </td>
+                <td />
+                <td>
+                  {one.message} <span class="mono">{one.code}</span>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  );
+}
