@@ -108,6 +108,7 @@ def test_from_the_command_line(server: Embedded, tmp_path: Path, monkeypatch: py
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_nine_tissues_of_a_head_in_full(service: Service) -> None:
     before = layered_head_tissues()
     job, after = separated(service, before, fixed=["skin", "fat"])
