@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from core.errors import IntegumentError
 from core.io.naming import make_unique
+from core.io.registry import read_meshes
 from core.mesh import Mesh
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.named_input import load_input
@@ -73,7 +75,15 @@ def _sources(payload: Mapping[str, Any]) -> dict[str, dict[str, str]]:
 
 
 def _given(process: str, payload: Mapping[str, Any], error: IntegumentError) -> dict[str, Mesh]:
-    """The meshes of the job by name; none where a limit was reached or where reading them is what failed."""
+    """The surfaces by name, as finished steps left them or else as they came; none where a limit was reached or where reading
+    them is what failed."""
+    left = {
+        file["name"]: read_meshes(Path(file["path"]), file_name=file["file_name"], unit="mm").meshes[0].mesh
+        for file in error.outputs
+        if file["media_type"] == "model/stl"
+    }
+    if left:
+        return left
     if error.fault == "limit" or not payload["meshes"]:
         return {}
     kind = PROCESSES[process].inputs

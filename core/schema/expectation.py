@@ -99,6 +99,9 @@ def _expect_chain(inputs: Mapping[str, Any], faces: int) -> Expectation:
     if thin is not None:
         steps.append(expect("decimate", {}, faces))
         faces = min(int(faces * float(thin.get("target_ratio") or 1.0)), int(thin.get("target_faces") or faces))
+    needless = () if inputs.get("tissues") else ("separate",)
+    chosen = [name for name in ("detach", "smooth", "separate") if inputs.get(name) is not None and name not in needless]
+    steps += [expect(name, {}, faces) for name in chosen]
     steps.append(expect("shells" if inputs.get("ears") is None else "ears", inputs, faces))
     if inputs.get("tetrahedra") is not None:
         steps.append(expect("tetrahedralize", {}, faces * (layers + 1)))

@@ -148,7 +148,7 @@ def test_a_body_with_lowered_arms_canals_and_five_organs(tmp_path: Path) -> None
     with embedded(tmp_path / "data") as server, closing(Service(server.url)) as service:
         asked = {
             "detach": {"regions": ARMPITS, "gap_mm": 1.0},
-            "smooth": {"retriangulate": True},
+            "smooth": {"retriangulate": True, "max_shift_mm": 1.0},
             "ears": "auto",
             "generate_canals": {},
         }
