@@ -17,7 +17,7 @@ from store.callback import Subscriber
 from store.fingerprint import fingerprint_of
 from store.job import Job, JobStatus, MeshInput
 from store.job_words import NO_WORDS, JobWords, search_text
-from store.records import Record
+from store.record import Record
 from store.telemetry import current_traceparent
 from store.workspace import WorkspaceId
 

@@ -9,8 +9,8 @@ from datetime import timedelta
 from sqlalchemy import or_, update
 from sqlalchemy.exc import IntegrityError
 
+from store.crew_records import LeaderRow
 from store.database import Database
-from store.records import LeaderRow
 
 
 class Leadership:

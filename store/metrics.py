@@ -11,8 +11,8 @@ from sqlalchemy.dialects.postgresql import insert as insert_postgres
 from sqlalchemy.dialects.sqlite import insert as insert_sqlite
 from sqlalchemy.orm import Session
 
+from store.crew_records import MetricTotalRow, TallyRow
 from store.database import Database
-from store.records import MetricTotalRow, TallyRow
 from store.tally import Cell, Tally, labels_of, labels_text, merge, read_cells
 
 FOLD_ROWS = 1000  # of one transaction

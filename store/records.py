@@ -5,30 +5,17 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, CheckConstraint, ForeignKey, Index, Integer, MetaData, String, Text, text
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+from sqlalchemy import BigInteger, CheckConstraint, ForeignKey, Index, String, Text, text
+from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from core.schema.expectation import UNKNOWN
 from store.instant import Instant
 from store.job_words import SEARCH_CHARACTERS
+from store.record import Json, Record
 
-Json = JSON(none_as_null=True)  # text on both databases: JSONB would reorder keys, and inputs must come back as they came
 Identifier = String(36)
 Digest = String(64)
 WorkspaceName = String(63)
-
-
-class Record(DeclarativeBase):
-    """Base of all tables; constraints have names, so migrations can speak of them."""
-
-    metadata = MetaData(
-        naming_convention={
-            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
-            "ck": "ck_%(table_name)s_%(constraint_name)s",
-            "fk": "fk_%(table_name)s_%(column_0_N_name)s",
-            "pk": "pk_%(table_name)s",
-        }
-    )
 
 
 class WorkspaceRow(Record):
@@ -251,16 +238,6 @@ class ParkedRow(Record):
     parked_at: Mapped[datetime] = mapped_column(Instant)
 
 
-class LeaderRow(Record):
-    """Which worker does what one is enough for, and until when it may."""
-
-    __tablename__ = "leaders"
-
-    office: Mapped[str] = mapped_column(String(32), primary_key=True)
-    holder: Mapped[str] = mapped_column(Text)
-    until: Mapped[datetime] = mapped_column(Instant)
-
-
 class EventRow(Record):
     """What a client sees of a job while it runs; `seq` counts 1, 2, 3, … within the job."""
 
@@ -368,39 +345,3 @@ class CallbackRow(Record):
     ended_at: Mapped[datetime | None] = mapped_column(Instant)
     last_status: Mapped[int | None]
     last_error: Mapped[str | None] = mapped_column(Text)
-
-
-class WorkerRow(Record):
-    """A worker process that gives word every few seconds; one that stops in good order takes its row along."""
-
-    __tablename__ = "workers"
-
-    name: Mapped[str] = mapped_column(String(300), primary_key=True)
-    host: Mapped[str] = mapped_column(String(255))
-    version: Mapped[str] = mapped_column(String(64))
-    concurrency: Mapped[int]
-    memory_bytes: Mapped[int] = mapped_column(BigInteger)
-    disk_free_bytes: Mapped[int] = mapped_column(BigInteger)
-    draining: Mapped[bool]
-    started_at: Mapped[datetime] = mapped_column(Instant)
-    seen_at: Mapped[datetime] = mapped_column(Instant)
-
-
-class TallyRow(Record):
-    """What was just counted: a row of its own, so that nobody who counts waits for another; folded into `metric_totals`."""
-
-    __tablename__ = "metric_tallies"
-
-    id: Mapped[int] = mapped_column(BigInteger().with_variant(Integer, "sqlite"), primary_key=True)
-    cells: Mapped[list[list[Any]]] = mapped_column(Json)
-
-
-class MetricTotalRow(Record):
-    """What was counted since the tables were made; `cell` is empty for a counter, `sum` or a bucket's number in a histogram."""
-
-    __tablename__ = "metric_totals"
-
-    family: Mapped[str] = mapped_column(String(64), primary_key=True)
-    labels: Mapped[str] = mapped_column(String(400), primary_key=True)
-    cell: Mapped[str] = mapped_column(String(8), primary_key=True)
-    value: Mapped[float]

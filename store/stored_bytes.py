@@ -5,8 +5,9 @@ from __future__ import annotations
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from store.crew_records import MetricTotalRow
 from store.database import Database
-from store.records import JobRow, MeshRow, MetricTotalRow
+from store.records import JobRow, MeshRow
 from store.tally import labels_text
 
 STORED_BYTES = "integument_stored_bytes"

@@ -9,8 +9,8 @@ from enum import StrEnum
 
 from sqlalchemy import delete, select
 
+from store.crew_records import WorkerRow
 from store.database import Database
-from store.records import WorkerRow
 from store.settings import Settings
 from store.storable import storable_text
 

@@ -2,7 +2,9 @@
 
 from alembic import context
 
-from store.records import Record
+import store.crew_records
+import store.records  # noqa: F401
+from store.record import Record
 
 context.configure(
     connection=context.config.attributes["connection"],

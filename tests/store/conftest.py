@@ -12,7 +12,8 @@ from store.database import Database
 from store.events import Events
 from store.jobs import Jobs
 from store.local_blobs import LocalBlobs
-from store.records import Record, WorkspaceRow
+from store.record import Record
+from store.records import WorkspaceRow
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.postgres import PostgresServer

@@ -15,7 +15,7 @@ from store.jobs import Jobs
 from store.local_blobs import LocalBlobs
 from store.mesh_inputs import MeshInputs
 from store.meshes import CANONICAL_MEDIA_TYPE, Meshes, MeshUpload
-from store.records import Record
+from store.record import Record
 from store.references import References
 from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import claimed

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select
 
+from store.crew_records import TallyRow
 from store.database import Database
 from store.job import JobOutput, MeshInput
 from store.jobs import Jobs
@@ -16,7 +17,6 @@ from store.local_blobs import LocalBlobs
 from store.meshes import Meshes, MeshUpload
 from store.metric_family import FAMILIES, HTTP_REQUESTS, JOB_FAILURES, JOB_WAIT_S, MAX_SERIES, OTHER, STAGE_S, Family
 from store.metrics import Metrics
-from store.records import TallyRow
 from store.tally import SUM, Cell, Tally, labels_of, labels_text, merge
 from store.workspace import DEFAULT_WORKSPACE
 from tests.store.samples import REFUSED, claimed, finish

@@ -13,7 +13,7 @@ from alembic.migration import MigrationContext
 from sqlalchemy import CheckConstraint, inspect
 
 from store.database import Database
-from store.records import Record
+from store.record import Record
 from store.settings import Settings
 from tests.postgres import PostgresServer
 

@@ -7,8 +7,8 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import update
 
+from store.crew_records import WorkerRow
 from store.database import Database
-from store.records import WorkerRow
 from store.settings import Settings
 from store.workers import KEPT_S, Workers, WorkerState, WorkerWord, stale_s
 

@@ -13,8 +13,8 @@ from types import SimpleNamespace
 import pytest
 
 from core.errors import InternalError
+from store.crew_records import LeaderRow
 from store.job import JobStatus
-from store.records import LeaderRow
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.postgres import running_postgres

@@ -12,9 +12,9 @@ import pytest
 from sqlalchemy import func, select
 
 from core.errors import InternalError
+from store.crew_records import TallyRow
 from store.metrics import Metrics
 from store.periodic import Periodic
-from store.records import TallyRow
 from store.tally import Cell
 from store.version import SERVER_VERSION
 from store.workers import Workers, WorkerState
