@@ -60,12 +60,15 @@ def open_gaps(
 
     Keeps: every surface free of self-intersection in every step, fixed tissues where they are, faces unturned.
     """
-    course = _Course(wrong=_find_wrong(tissues, relations))
+    course = _Course(wrong=find_wrong(tissues, relations))
     first, done = 0.0, 0.0
     for count in range(MOST_ROUNDS):
         demands, left = _look(tissues, relations, gap_mm, course)
         if not left:
-            return []
+            # a step is no continuous motion: a small piece could have jumped through a wall, with nothing near to tell
+            course.wrong = find_wrong(tissues, relations)
+            if not any(len(wrong) for wrong in course.wrong.values()):
+                return []
         rest = sum(float(np.linalg.norm(demand.ways, axis=1).sum()) for demand in demands.values())
         first = first or rest
         done = max(done, 1.0 - rest / first if first else 0.0)
@@ -87,7 +90,7 @@ def open_gaps(
     return left
 
 
-def _find_wrong(tissues: Mapping[str, Tissue], relations: Relations) -> dict[tuple[str, str], Ints]:
+def find_wrong(tissues: Mapping[str, Tissue], relations: Relations) -> dict[tuple[str, str], Ints]:
     """Vertices of a on the wrong side of b, for every ordered pair."""
     found = {}
     for a, b in combinations(tissues, 2):

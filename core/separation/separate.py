@@ -17,7 +17,7 @@ from core.mesh import Mesh
 from core.run import SILENT, RunContext
 from core.schema.separate import SeparateInputs
 from core.separation.no_room import no_room
-from core.separation.opening import open_gaps
+from core.separation.opening import Relations, find_wrong, open_gaps
 from core.separation.relations import Relation, find_relations
 from core.separation.tissue import Tissue
 from core.smoothing.guarded_step import OWN_CLEARANCE_MM
@@ -79,7 +79,7 @@ def separate(surfaces: Mapping[str, Mesh], inputs: SeparateInputs, run: RunConte
         raise no_room(tissues, left, relations, inputs)
     _ease(tissues, gap_mm, run.stage("separate: take back", 0.7, 0.9))
     prove = run.stage("separate: proof", 0.9, 1.0)
-    gaps = _prove(tissues, gap_mm)
+    gaps = _prove(tissues, relations, gap_mm)
     prove.advance(1.0, f"smallest gap {min(gaps.values()):.4g} mm" if gaps else "")
     return Separation({name: _separated(tissue) for name, tissue in tissues.items()}, relations, gaps)
 
@@ -105,7 +105,7 @@ def _ease(tissues: Mapping[str, Tissue], gap_mm: float, run: RunContext) -> None
         run.advance((count + 1) / EASING_ROUNDS, f"{moved} vertices moved back")
 
 
-def _prove(tissues: Mapping[str, Tissue], gap_mm: float) -> dict[tuple[str, str], float]:
+def _prove(tissues: Mapping[str, Tissue], relations: Relations, gap_mm: float) -> dict[tuple[str, str], float]:
     """What was promised, on what is handed out. Raises: InternalError `separate.not_proven`."""
     starts = np.cumsum([0, *(len(tissue.vertices) for tissue in tissues.values())])
     faces = np.concatenate(
@@ -115,6 +115,8 @@ def _prove(tissues: Mapping[str, Tissue], gap_mm: float) -> dict[tuple[str, str]
     broken = [f"{len(pairs)} pairs of faces intersect"] if len(pairs) else []
     gaps = {(a, b): smallest_gap_between(tissues[a].tree, tissues[b].tree).distance_mm for a, b in combinations(tissues, 2)}
     broken += [f"{a} and {b} are {gap:.6g} mm apart" for (a, b), gap in gaps.items() if gap < gap_mm * (1.0 - SLACK)]
+    astray = {pair: len(wrong) for pair, wrong in find_wrong(tissues, relations).items() if len(wrong)}
+    broken += [f"{count} vertices of {a} lie on the wrong side of {b}" for (a, b), count in astray.items()]
     if broken:
         raise InternalError("separate.not_proven", "the separated surfaces are not handed out: " + "; ".join(broken))
     return gaps

@@ -7,7 +7,9 @@ from core.geometry.containment import is_inside
 from core.geometry.distance import closest_points
 from core.geometry.face_tree import FaceTree
 from core.separation.contacts import COINCIDENT_MM, find_contacts
+from core.separation.opening import find_wrong
 from core.separation.sides import are_faces_inside, are_vertices_inside
+from core.separation.tissue import Tissue
 from tests.solids import cube, sphere, together
 
 
@@ -46,3 +48,11 @@ def test_sides_of_parts_are_those_of_every_point(shift):
     vertices, middles = a.vertices.copy(), a.triangles().mean(axis=1)
     np.testing.assert_array_equal(are_vertices_inside(vertices, a.faces, other, contacts.faces), is_inside(other, vertices))
     np.testing.assert_array_equal(are_faces_inside(vertices, a.faces, other, contacts.faces), is_inside(other, middles))
+
+
+def test_a_piece_on_the_wrong_side_is_seen_though_nothing_is_near():
+    meshes = {"skin": sphere(5.0, 2), "organ": sphere(1.0, 2, at=(20.0, 0.0, 0.0))}
+    tissues = {name: Tissue.of(name, mesh, 0, 0.1, movable=True) for name, mesh in meshes.items()}
+    wrong = find_wrong(tissues, {("organ", "skin"): "inside", ("skin", "organ"): "around"})
+    assert len(wrong["organ", "skin"]) == len(meshes["organ"].vertices)
+    assert len(wrong["skin", "organ"]) == 0
