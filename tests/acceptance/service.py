@@ -60,9 +60,11 @@ class Service:
         found: dict[str, Any] = reply.json()
         return found
 
-    def wait(self, job: str, until: Callable[[dict[str, Any]], bool] | None = None) -> dict[str, Any]:
+    def wait(
+        self, job: str, until: Callable[[dict[str, Any]], bool] | None = None, *, limit_s: float = LIMIT_S
+    ) -> dict[str, Any]:
         """The first status of which `until` is true; by default, the last one."""
-        deadline = time.monotonic() + LIMIT_S
+        deadline = time.monotonic() + limit_s
         while True:
             status = self.status(job)
             if until(status) if until else status["status"] in FINISHED:
@@ -71,9 +73,9 @@ class Service:
             assert time.monotonic() < deadline, status
             time.sleep(LOOK_S)
 
-    def succeed(self, job: str) -> dict[str, Any]:
+    def succeed(self, job: str, *, limit_s: float = LIMIT_S) -> dict[str, Any]:
         """The last status of a job that has to end well."""
-        status = self.wait(job)
+        status = self.wait(job, limit_s=limit_s)
         assert status["status"] == "successful", status
         return status
 
