@@ -12,7 +12,7 @@ from core.segmentation.segment import segment
 from core.validation.validate import validate
 from subjects.labelled_head import LABELS, head_surfaces, labelled
 
-SIDE_MM = 3.0
+SIDE_MM = 5.0
 GAP_MM = 0.1
 
 
@@ -28,8 +28,9 @@ def test_tissues_of_a_head_come_back_within_a_voxel() -> None:
     assert all(pair.intersecting_pairs == 0 for pair in proof.pairs)
     (head,) = surfaces["head"]
     distance = closest_points_in(FaceTree.of(head.vertices, head.faces), found["head"].mesh.vertices)[0]
-    assert distance.mean() < 0.2 * SIDE_MM
+    assert distance.mean() < 0.12 * SIDE_MM
     assert np.percentile(distance, 99) < 0.6 * SIDE_MM
-    for name, each in found.items():
-        assert proof.meshes[name].components == 1
-        assert proof.meshes[name].volume_mm3 == pytest.approx(each.voxels_mm3, rel=0.15)
+    assert all(mesh.components == 1 for mesh in proof.meshes.values())
+    # a cortex thinner than a voxel is not known so well
+    for name, share in {"head": 0.01, "csf": 0.1, "white_matter": 0.1}.items():
+        assert proof.meshes[name].volume_mm3 == pytest.approx(found[name].voxels_mm3, rel=share)
