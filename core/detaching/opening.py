@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from core.detaching.pinholes import count_pinholes, count_tunnels
 from core.detaching.round_off import round_off
 from core.detaching.sheet import Sheet
 from core.detaching.slab import END, FIRST, SECOND, Slab, thicken
@@ -29,7 +30,8 @@ Point = tuple[float, float, float]
 
 SPARE = 1.06  # times the gap asked for: what remeshing may take of it
 END_WIDTHS = 1.5  # so far from its end within the body a slit is as wide as was asked
-ATTEMPTS = 5
+ATTEMPTS = 8
+PINHOLE_SHARE = 0.3  # of the width: no ring where the slit comes out of the body is smaller
 TOLERANCE_SHARE, TOLERANCE_MM = 0.1, 0.15  # how far remeshing may move the walls: of the gap, and at most
 SHRED_SHARE = 1e-4  # of the largest piece's volume: smaller pieces of new faces alone are dropped
 
@@ -57,12 +59,16 @@ def open_contact(skin: Mesh, sheet: Sheet, gap_mm: float, low: Floats, high: Flo
     """The skin with a slit along the sheet, none of the gap missing; None if no attempt was free of self-intersection.
 
     Promises: only faces with all corners strictly between low and high (3,) mm change; coordinates exact in float32."""
-    width = SPARE * gap_mm
+    width, narrow = SPARE * gap_mm, 0.0  # narrow: a width that gave a sound skin, but too small a gap
     for _ in range(ATTEMPTS):
         made = _attempt(skin, sheet, width, gap_mm, low, high)
         if made is not None and made.gap_mm >= gap_mm:
             return made
-        width += 0.02 * gap_mm if made is None else 1.1 * (gap_mm - made.gap_mm)
+        if made is not None:
+            narrow = width
+            width += 1.1 * (gap_mm - made.gap_mm)
+        else:
+            width = 0.5 * (narrow + width) if narrow else width + 0.02 * gap_mm
     return None
 
 
@@ -75,6 +81,8 @@ def _attempt(skin: Mesh, sheet: Sheet, width: float, gap_mm: float, low: Floats,
     if len(find_intersecting_faces(cut.mesh.vertices, cut.mesh.faces[inner])):
         return None  # a sheet that folds makes a slab that runs through itself within the body
     cut = _without_shreds(_told_apart(cut, slab))
+    if count_pinholes(cut, PINHOLE_SHARE * width) or count_tunnels(cut, END):
+        return None
     remeshed = remesh_around_seams(
         cut,
         skin,
