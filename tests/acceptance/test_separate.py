@@ -118,5 +118,7 @@ def test_nine_tissues_of_a_head_in_full(service: Service) -> None:
     assert len(rows) == 9
     assert rows["fat"]["moved_vertices"] == 0
     assert max(row["largest_shift_mm"] for row in rows.values()) < 0.5
-    assert 0 < max(row["mean_shift_mm"] for row in rows.values()) < GAP_MM
+    # where sheets coincide, each goes half of the gap; the skulls cross more deeply
+    brain = [row for name, row in rows.items() if name.startswith(("grey", "white"))]
+    assert all(0.3 * GAP_MM < row["mean_shift_mm"] < 0.7 * GAP_MM for row in brain)
     require_filled(service, job, after)
