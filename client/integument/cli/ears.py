@@ -12,6 +12,10 @@ from integument.cli.layer_text import BOX_FORM, read_box, read_depths, read_laye
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
+    BlendOption,
+    CanalOption,
+    EarDepthOption,
+    GenerateCanalsOption,
     LayerOption,
     MinGapOption,
     OuterLayerOption,
@@ -41,19 +45,12 @@ def ears(
         list[str] | None,
         typer.Option("--ears", metavar="BOX", help=f"A box round an ear, {BOX_FORM} in mm; repeat. Default auto: find both."),
     ] = None,
-    canal: Annotated[
-        list[str] | None, typer.Option(metavar="MESH", help="Closed mesh of a canal's air, to be cut out of the skin; repeat.")
-    ] = None,
-    generate_canals: Annotated[
-        bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
-    ] = False,
+    canal: CanalOption = None,
+    generate_canals: GenerateCanalsOption = False,
     layer: LayerOption = None,
     outer_layer: OuterLayerOption = None,
-    ear_depth: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
-    ] = None,
-    blend: Annotated[float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")] = None,
+    ear_depth: EarDepthOption = None,
+    blend: BlendOption = None,
     thin_policy: ThinPolicyOption = "adapt",
     min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,

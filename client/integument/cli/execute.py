@@ -11,7 +11,7 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end, see_to_end
-from integument.cli.layer_text import REGION_FORM, read_layers, read_region
+from integument.cli.layer_text import read_layers, read_region
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
@@ -21,6 +21,7 @@ from integument.cli.options import (
     NameOption,
     OuterLayerOption,
     PackageOption,
+    RegionOption,
     ReportOption,
     SkinArgument,
     SkinShiftOption,
@@ -44,9 +45,7 @@ def shells(
     unit: UnitOption = "mm",
     layer: LayerOption = None,
     outer_layer: OuterLayerOption = None,
-    region: Annotated[
-        list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
-    ] = None,
+    region: RegionOption = None,
     thin_policy: ThinPolicyOption = "adapt",
     min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 
 import typer
 
+from integument.cli.layer_text import REGION_FORM
 from integument.surface_processes import Unit
 
 SkinArgument: TypeAlias = Annotated[
@@ -31,6 +32,22 @@ LayerOption: TypeAlias = Annotated[
 OuterLayerOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME=DEPTH", help="Layer around the skin and its distance to it in mm; repeat, from outside inwards."),
+]
+RegionOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
+]
+CanalOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option(metavar="MESH", help="Closed mesh of a canal's air, to be cut out of the skin; repeat.")
+]
+GenerateCanalsOption: TypeAlias = Annotated[
+    bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
+]
+EarDepthOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
+]
+BlendOption: TypeAlias = Annotated[
+    float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")
 ]
 ThinPolicyOption: TypeAlias = Annotated[
     Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")

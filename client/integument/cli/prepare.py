@@ -12,7 +12,6 @@ from integument.cli.ears import read_ears
 from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import (
     BOX_FORM,
-    REGION_FORM,
     read_box,
     read_depths,
     read_layers,
@@ -22,10 +21,15 @@ from integument.cli.layer_text import (
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
+    BlendOption,
+    CanalOption,
+    EarDepthOption,
+    GenerateCanalsOption,
     LayerOption,
     MinGapOption,
     OuterLayerOption,
     PackageOption,
+    RegionOption,
     ReportOption,
     SkinArgument,
     SkinShiftOption,
@@ -64,22 +68,13 @@ def prepare(
     boxes: Annotated[
         list[str] | None, typer.Option("--ears", metavar="BOX", help=f"auto: find both ears; or a box, {BOX_FORM} in mm; repeat.")
     ] = None,
-    canal: Annotated[
-        list[str] | None, typer.Option(metavar="MESH", help="Closed mesh of a canal's air, to be cut out of the skin; repeat.")
-    ] = None,
-    generate_canals: Annotated[
-        bool, typer.Option("--generate-canals", help="Cut a canal of usual shape into each ear found.")
-    ] = False,
+    canal: CanalOption = None,
+    generate_canals: GenerateCanalsOption = False,
     layer: LayerOption = None,
     outer_layer: OuterLayerOption = None,
-    ear_depth: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=DEPTH", help="Depth of a layer in the ears, in mm. Default fat=0.3 average_body=0.6."),
-    ] = None,
-    blend: Annotated[float | None, typer.Option(metavar="MM", help="Width over which the depths return; default 5.")] = None,
-    region: Annotated[
-        list[str] | None, typer.Option(metavar="REGION", help=f"A box with its own depths, in mm; repeat. {REGION_FORM}")
-    ] = None,
+    ear_depth: EarDepthOption = None,
+    blend: BlendOption = None,
+    region: RegionOption = None,
     tissue: Annotated[
         list[str] | None,
         typer.Option(metavar=TISSUE_FORM, help="Closed surface inside the innermost layer, an organ or a bone; repeat."),
