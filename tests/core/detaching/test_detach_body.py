@@ -10,15 +10,15 @@ from subjects.trial import READY, attempt
 
 pytestmark = pytest.mark.slow
 ARMS = [
-    {"name": "right", "box_mm": {"min": [60, 310, -60], "max": [240, 445, 90]}},
-    {"name": "left", "box_mm": {"min": [-240, 310, -60], "max": [-60, 445, 90]}},
+    {"name": "left", "box_mm": {"min": [60, 310, -60], "max": [240, 445, 90]}},
+    {"name": "right", "box_mm": {"min": [-240, 310, -60], "max": [-60, 445, 90]}},
 ]
 
 
 def test_both_arms_come_off_and_shells_can_be_made() -> None:
     skin = grown_together(arms_lowered(42.0))
     result = detach(skin, DetachSettings.model_validate({"regions": ARMS}))
-    assert [contact.region for contact in result.contacts] == ["right", "left"]
+    assert [contact.region for contact in result.contacts] == ["left", "right"]
     for contact in result.contacts:
         assert 3000.0 < contact.area_mm2 < 3800.0
         assert 1.0 <= contact.gap_mm < 2.0
