@@ -29,8 +29,8 @@ from tests.organs import organs
 from tests.solids import sphere, together
 
 ARMPITS = [  # of the body with lowered arms; see docs/processes/detach.md
-    {"name": "right_arm", "box_mm": {"min": [60, 330, -60], "max": [240, 450, 90]}},
-    {"name": "left_arm", "box_mm": {"min": [-240, 330, -60], "max": [-60, 450, 90]}},
+    {"name": "left_arm", "box_mm": {"min": [60, 330, -60], "max": [240, 450, 90]}},
+    {"name": "right_arm", "box_mm": {"min": [-240, 330, -60], "max": [-60, 450, 90]}},
 ]
 
 
