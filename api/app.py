@@ -123,7 +123,7 @@ async def _sweep_uploads(services: Services) -> None:
 
 
 def _takes_files(method: str, path: str) -> bool:
-    return path in (f"{BASE}/meshes", f"{BASE}/cohorts/archive") or (method == "PATCH" and path.startswith(f"{BASE}/uploads/"))
+    return path in (f"{BASE}/meshes", f"{BASE}/cohort-archives") or (method == "PATCH" and path.startswith(f"{BASE}/uploads/"))
 
 
 def _allowed_hosts(settings: Settings) -> frozenset[str]:

@@ -8,11 +8,10 @@ from functools import partial
 from pydantic import ValidationError
 
 from api.archive import TakenArchive, take_archive
-from api.cohort_documents import COHORTS
 from api.cohort_request import accept_cohort, find_cohort, put_together, read_cohort, validated
 from api.idempotency import Once, fingerprint_of
 from api.intake import require_unit
-from api.links import mesh_path
+from api.links import BASE, mesh_path
 from api.process_documents import find_process
 from api.schemas.cohort import ArchiveSettings, SubjectRequest
 from api.services import Services
@@ -55,7 +54,7 @@ def cohort_of_archive(
     Raises as `take_archive` and `read_cohort`, InputError `cohort.subject_unknown`."""
     unit = require_unit(received)
     told = {"file": received.sha256, "unit": unit, FIELD: settings.model_dump(mode="json")}
-    once = Once(services, workspace, key, fingerprint_of("POST", f"{COHORTS}/archive", told))
+    once = Once(services, workspace, key, fingerprint_of("POST", f"{BASE}/cohort-archives", told))
 
     def take_in() -> Cohort:
         [any_subject] = put_together(settings, [SubjectRequest(mesh=_ANY)])

@@ -122,10 +122,10 @@ class Jobs(Admission, Claims, Reconciliation):
                 return None
             return find_queue_position(session, workspace, job_id, JobQueue(row.queue), row.queued_at)
 
-    def position_of(self, job: Job) -> int:
+    def position_of(self, workspace: WorkspaceId, job: Job) -> int:
         """The same for a job that was just accepted."""
         with self._db.reading() as session:
-            return find_queue_position(session, job.workspace, job.id, job.queue, job.queued_at)
+            return find_queue_position(session, workspace, job.id, job.queue, job.queued_at)
 
     def dismiss(self, workspace: WorkspaceId, job_id: str) -> Job:
         """Take a job back: one that waits at once, a running one as soon as its worker has killed it (`dismiss_requested`).

@@ -30,7 +30,7 @@ from api.upload_form import receive_file
 from store.cohort import Cohort
 from store.idempotency import Reply
 
-router = APIRouter(prefix="/cohorts", tags=["Cohorts"])
+router = APIRouter(tags=["Cohorts"])
 
 _ARCHIVE_BODY: dict[str, Any] = {
     "requestBody": {
@@ -56,7 +56,7 @@ _ARCHIVE_BODY: dict[str, Any] = {
 
 
 @router.post(
-    "",
+    "/cohorts",
     operation_id="createCohort",
     status_code=201,
     response_model_exclude_none=True,
@@ -85,7 +85,7 @@ def create_cohort(
 
 
 @router.post(
-    "/archive",
+    "/cohort-archives",
     operation_id="createCohortOfArchive",
     status_code=201,
     response_model_exclude_none=True,
@@ -110,7 +110,7 @@ async def create_cohort_of_archive(
     return await run_in_threadpool(_created, services, request, response, cohort, replayed)
 
 
-@router.get("", operation_id="listCohorts", response_model_exclude_none=True, responses=problems(422))
+@router.get("/cohorts", operation_id="listCohorts", response_model_exclude_none=True, responses=problems(422))
 def get_cohorts(
     request: Request,
     response: Response,
@@ -127,14 +127,18 @@ def get_cohorts(
     return cohorts
 
 
-@router.get("/{cohort_id}", operation_id="getCohort", response_model_exclude_none=True, responses=problems(404))
+@router.get("/cohorts/{cohort_id}", operation_id="getCohort", response_model_exclude_none=True, responses=problems(404))
 def get_cohort(cohort_id: CohortId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> CohortInfo:
     """How a cohort stands. Its jobs are at `GET /v1/jobs?cohort=`."""
     return _described(services, request, services.cohorts.get(workspace, cohort_id))
 
 
 @router.delete(
-    "/{cohort_id}", operation_id="dismissCohort", status_code=202, response_model_exclude_none=True, responses=problems(404)
+    "/cohorts/{cohort_id}",
+    operation_id="dismissCohort",
+    status_code=202,
+    response_model_exclude_none=True,
+    responses=problems(404),
 )
 def dismiss_cohort(
     cohort_id: CohortId, request: Request, response: Response, services: ServicesDep, workspace: WorkspaceDep
@@ -146,7 +150,7 @@ def dismiss_cohort(
 
 
 @router.post(
-    "/{cohort_id}/retry",
+    "/cohorts/{cohort_id}/retry",
     operation_id="retryCohort",
     status_code=202,
     response_model_exclude_none=True,
@@ -176,7 +180,7 @@ def retry_cohort(
     return _created(services, request, response, cohort, replayed)
 
 
-@router.get("/{cohort_id}/results", operation_id="getCohortResults", responses=problems(404, 409, 413, 422))
+@router.get("/cohorts/{cohort_id}/results", operation_id="getCohortResults", responses=problems(404, 409, 413, 422))
 def get_cohort_results(cohort_id: CohortId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> Results:
     """The summary as table (CSV), JSON and page, and the zip of what the jobs made, by reference."""
     cohort = services.cohorts.get(workspace, cohort_id)
@@ -184,7 +188,7 @@ def get_cohort_results(cohort_id: CohortId, request: Request, services: Services
 
 
 @router.get(
-    "/{cohort_id}/results/packages",
+    "/cohorts/{cohort_id}/results/packages",
     operation_id="getCohortPackages",
     response_class=Response,
     responses=files("One folder per subject", "application/zip") | problems(404, 422),

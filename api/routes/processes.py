@@ -110,4 +110,5 @@ def _accept(
         return job
 
     job, replayed = once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))
-    return job, replayed, services.jobs.queue_position(workspace, job.id) if replayed else services.jobs.position_of(job)
+    jobs = services.jobs
+    return job, replayed, jobs.queue_position(workspace, job.id) if replayed else jobs.position_of(workspace, job)

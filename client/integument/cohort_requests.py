@@ -96,7 +96,7 @@ class CohortRequests(ABC):
         with opened(archive, on_bytes) as (file, file_name):
             response = self._transport.request(
                 "POST",
-                "/v1/cohorts/archive",
+                "/v1/cohort-archives",
                 data={"unit": unit, "cohort": _to_json(body)},
                 files={"file": (file_name, file, "application/zip")},
                 headers=headers,

@@ -39,7 +39,7 @@ def zipped() -> bytes:
 def test_a_study_runs_as_easily_as_one_subject(service: Service) -> None:
     settings = {"process": "validate", "name": "Study", "labels": ["pilot"]}
     reply = service.http.post(
-        "/v1/cohorts/archive", files={"file": ("study.zip", zipped())}, data={"cohort": json.dumps(settings)}
+        "/v1/cohort-archives", files={"file": ("study.zip", zipped())}, data={"cohort": json.dumps(settings)}
     )
     assert reply.status_code == 201, reply.text
     told = finished(service, reply.headers["Location"])

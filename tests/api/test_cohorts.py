@@ -81,7 +81,7 @@ def zipped(files: Mapping[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> by
 def archived(live: Live, data: bytes, *, key: str | None = None, **settings: Any) -> httpx.Response:
     form = {"cohort": json.dumps({"process": "validate"} | settings)}
     headers = {} if key is None else {"Idempotency-Key": key}
-    return live.client.post("/v1/cohorts/archive", files={"file": ("all.zip", data)}, data=form, headers=headers)
+    return live.client.post("/v1/cohort-archives", files={"file": ("all.zip", data)}, data=form, headers=headers)
 
 
 def test_every_subject_gets_a_job_with_its_mesh_and_inputs(live: Live, hrefs: list[str]) -> None:
@@ -267,7 +267,7 @@ def test_a_refused_cohort_leaves_no_meshes(live: Live) -> None:
 
 def test_a_form_without_settings_or_with_strange_ones_is_refused(live: Live) -> None:
     def form(**fields: str) -> httpx.Response:
-        return live.client.post("/v1/cohorts/archive", files={"file": ("a.zip", zipped({"a.stl": binary_stl()}))}, data=fields)
+        return live.client.post("/v1/cohort-archives", files={"file": ("a.zip", zipped({"a.stl": binary_stl()}))}, data=fields)
 
     problem_of(form(), 422, "upload.field_missing")
     problem_of(form(cohort="{"), 400, "request.malformed")

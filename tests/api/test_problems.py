@@ -57,7 +57,13 @@ def test_things_that_are_not_there_are_problems_as_declared(api: Live, paths: di
             body = {"json": {"inputs": {}}} if method == "post" and not path.startswith("/v1/uploads") else {}
             response = api.client.request(method, filled(path, "nonsense"), headers=TUS, **body)
             problem = problem_of(response, 404, response.json()["code"])
-            assert problem["code"] in ("job.not_found", "mesh.not_found", "process.not_found", "upload.not_found")
+            assert problem["code"] in (
+                "cohort.not_found",
+                "job.not_found",
+                "mesh.not_found",
+                "process.not_found",
+                "upload.not_found",
+            )
             assert "404" in operation["responses"]
             asked += 1
     assert asked >= 19, "every route with an id in its path"

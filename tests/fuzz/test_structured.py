@@ -130,7 +130,7 @@ def test_ply(form: str, vertices: int, faces: int, types: list[str], rows: bytes
     read_upload("\n".join(head).encode() + rows, "ply")
 
 
-@BRIEF
+@settings(BRIEF, max_examples=30)  # volumes are larger than meshes
 @given(
     kind=st.sampled_from(sorted(CODES)),
     version=st.sampled_from([1, 2]),

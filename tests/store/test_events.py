@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from store import transition
+from store import announcement
 from store.events import Events
 from store.jobs import Jobs
 from store.workspace import DEFAULT_WORKSPACE
@@ -71,7 +71,7 @@ def test_a_reader_never_sees_a_gap(jobs: Jobs, events: Events) -> None:
 def test_a_job_that_talks_without_end_is_cut_off_but_still_ends(
     jobs: Jobs, events: Events, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(transition, "EVENT_LIMIT", 5)
+    monkeypatch.setattr(announcement, "EVENT_LIMIT", 5)
     job = claimed(jobs)
     jobs.append_events(job.id, job.lease_token, [("log", {"number": number}) for number in range(10)])
     assert len(events.after(DEFAULT_WORKSPACE, job.id)) == 5

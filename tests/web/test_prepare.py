@@ -29,7 +29,7 @@ def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shar
         expect(using.nth(0)).to_be_checked()  # heal
         expect(using.nth(1)).not_to_be_checked()  # decimate
         using.nth(0).uncheck()
-        using.nth(2).uncheck()  # canals go with ears
+        using.nth(4).uncheck()  # canals go with ears; detach and smooth are off
         page.get_by_role("button", name="Add a tissue").click()
         page.get_by_label("Mesh of tissue 1").select_option(organ)
         page.get_by_label("Name of tissue 1").fill("heart")

@@ -53,7 +53,7 @@ export function createCohortOfArchive(settings: CohortSettings, archive: File, u
   form.set("cohort", JSON.stringify(settings));
   form.set("file", archive);
   const headers = { "Idempotency-Key": crypto.randomUUID() };
-  return askJson("/v1/cohorts/archive", { method: "POST", body: form, headers });
+  return askJson("/v1/cohort-archives", { method: "POST", body: form, headers });
 }
 
 export function retryCohort(id: string): Promise<Cohort> {
