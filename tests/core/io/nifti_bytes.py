@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 CODES = {"u1": 2, "i2": 4, "i4": 8, "f4": 16, "f8": 64, "i1": 256, "u2": 512, "u4": 768, "i8": 1024, "u8": 1280}
 
+MOST_PADDING = 4096
+
 
 def nifti(
     values: NDArray[np.generic],
@@ -66,7 +68,8 @@ def nifti(
         struct.pack_into(order + "12d", head, 400, *rows.ravel())
         struct.pack_into(order + "i", head, 500, units)
     data = values.astype(values.dtype.newbyteorder(order)).tobytes(order="F")
-    return bytes(head) + bytes(max(0, start - size)) + data + tail
+    padding = bytes(min(max(0, start - size), MOST_PADDING))  # a header may promise more than there is
+    return bytes(head) + padding + data + tail
 
 
 def packed(data: bytes) -> bytes:
