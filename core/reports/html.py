@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from functools import cache
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from core.reports import wording
 from core.reports.change_entries import change_entries
 from core.reports.figures.figure import Figure
 from core.reports.scene.scene import Scene
 from core.reports.scene.viewer import report_viewer
+from core.reports.template import template
 from core.reports.tissue_rows import nesting_lines, tissue_rows
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
@@ -34,23 +32,19 @@ def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None =
         _step_section(step, [embedded[figure.name] for figure in figures if figure.step == step.name]) for step in report.steps
     ]
     counts = {severity: sum(finding.severity is severity for finding in report.findings) for severity in Severity}
-    return (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            report=report,
-            title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
-            ready=report.verdict == "simulation_ready",
-            rows=tissue_rows(report),
-            nesting=nesting_lines(report),
-            changes=change_entries(report.changes),
-            findings=sorted(report.findings, key=_urgency),
-            counts=counts,
-            checksums=[(name, mesh.sha256) for name, mesh in report.meshes.items() if mesh.sha256],
-            steps=steps,
-            scene=None if scene is None else _shown(scene),
-            figures=[embedded[figure.name] for figure in figures if figure.step not in shown_by],
-        )
+    return template("report.html.j2").render(
+        report=report,
+        title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
+        ready=report.verdict == "simulation_ready",
+        rows=tissue_rows(report),
+        nesting=nesting_lines(report),
+        changes=change_entries(report.changes),
+        findings=sorted(report.findings, key=_urgency),
+        counts=counts,
+        checksums=[(name, mesh.sha256) for name, mesh in report.meshes.items() if mesh.sha256],
+        steps=steps,
+        scene=None if scene is None else _shown(scene),
+        figures=[embedded[figure.name] for figure in figures if figure.step not in shown_by],
     )
 
 
@@ -101,33 +95,3 @@ def _embedded(figure: Figure, number: int) -> dict[str, Any]:
         "height": int.from_bytes(sizes[4:], "big"),
         "data": base64.b64encode(figure.png).decode("ascii"),
     }
-
-
-@cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("core.reports", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    for word in (
-        "whole",
-        "significant",
-        "area",
-        "volume",
-        "drift",
-        "percent",
-        "yes_no",
-        "point",
-        "numbers",
-        "relation",
-        "flattened",
-        "outcome",
-        "quantity",
-        "spot",
-    ):
-        environment.filters[word] = getattr(wording, word)
-    return environment

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from core.schema.model import FrozenModel
+from core.schema.region_names import require_different_names
 from core.schema.shells import Box
 from core.schema.surfaces import SurfacesInputs
 from core.schema.validate import MeshName
@@ -57,9 +58,7 @@ class DecimateParameters(FrozenModel):
         given = [name for name in TARGETS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"exactly one of {', '.join(TARGETS)} is wanted, got {' and '.join(given) or 'none'}")
-        names = [region.name for region in self.regions]
-        if len(set(names)) != len(names):
-            raise ValueError(f"regions must have different names: {names}")
+        require_different_names([region.name for region in self.regions])
         return self
 
     @model_validator(mode="after")

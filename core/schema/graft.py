@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
+from core.schema.region_names import require_different_names
 from core.schema.shells import Box
 from core.schema.validate import MeshName
 
@@ -39,7 +40,5 @@ class GraftInputs(FrozenModel):
 
     @model_validator(mode="after")
     def _names_differ(self) -> GraftInputs:
-        names = [region.name for region in self.regions]
-        if len(set(names)) != len(names):
-            raise ValueError(f"regions must have different names: {names}")
+        require_different_names([region.name for region in self.regions])
         return self

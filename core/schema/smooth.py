@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from core.schema.model import FrozenModel
+from core.schema.region_names import require_different_names
 from core.schema.shells import Box
 from core.schema.surfaces import SurfacesInputs
 from core.schema.validate import MeshName
@@ -71,9 +72,7 @@ class SmoothParameters(FrozenModel):
                 raise ValueError(f"{name} belongs to {' and '.join(methods)}, the method is {self.method}")
         if self.method == "taubin" and not -self.taubin_mu > self.taubin_lambda:
             raise ValueError(f"taubin_mu {self.taubin_mu} must step out farther than taubin_lambda {self.taubin_lambda} steps in")
-        names = [region.name for region in self.regions]
-        if len(set(names)) != len(names):
-            raise ValueError(f"regions must have different names: {names}")
+        require_different_names([region.name for region in self.regions])
         return self
 
 

@@ -18,6 +18,19 @@ from core.validation.surface import Surface
 from core.validation.vertices import check_coincident_vertices
 
 Check: TypeAlias = Callable[[Surface], list[Finding]]
+Wanted: TypeAlias = tuple[str, tuple[Check, ...]]
+
+_SOUND: tuple[Wanted, ...] = (
+    ("surface.degenerate", (check_degenerate_faces,)),
+    ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+)
+_CLOSED: Wanted = ("surface.not_closed", (check_closed,))
+_ORIENTED: Wanted = ("surface.not_oriented", (check_orientation,))
+_OUTWARD: Wanted = ("surface.inside_out", (check_outward,))
+_APART_FROM_ITSELF: tuple[Wanted, ...] = (
+    ("surface.self_touching", (check_coincident_vertices,)),
+    ("surface.self_intersecting", (check_self_intersection,)),
+)
 
 HINT = "Mend it with the process `heal`, or in the program it comes from"
 
@@ -48,14 +61,7 @@ def require_sound_surface(mesh: Mesh, name: str) -> None:
     Raises: InputError with the findings of all checks that failed and the code of the first of them, in this order:
     `surface.degenerate`, `surface.not_manifold`, `surface.not_oriented`, `surface.self_touching`, `surface.self_intersecting`.
     """
-    _require(
-        Surface(name, mesh),
-        ("surface.degenerate", (check_degenerate_faces,)),
-        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
-        ("surface.not_oriented", (check_orientation,)),
-        ("surface.self_touching", (check_coincident_vertices,)),
-        ("surface.self_intersecting", (check_self_intersection,)),
-    )
+    _require(Surface(name, mesh), *_SOUND, _ORIENTED, *_APART_FROM_ITSELF)
 
 
 def require_closed_surface(mesh: Mesh, name: str) -> None:
@@ -65,15 +71,7 @@ def require_closed_surface(mesh: Mesh, name: str) -> None:
     `surface.degenerate`, `surface.not_manifold`, `surface.not_closed`, `surface.not_oriented`, `surface.self_touching`,
     `surface.self_intersecting`.
     """
-    _require(
-        Surface(name, mesh),
-        ("surface.degenerate", (check_degenerate_faces,)),
-        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
-        ("surface.not_closed", (check_closed,)),
-        ("surface.not_oriented", (check_orientation,)),
-        ("surface.self_touching", (check_coincident_vertices,)),
-        ("surface.self_intersecting", (check_self_intersection,)),
-    )
+    _require(Surface(name, mesh), *_SOUND, _CLOSED, _ORIENTED, *_APART_FROM_ITSELF)
 
 
 def require_outward_surface(mesh: Mesh, name: str) -> None:
@@ -81,19 +79,10 @@ def require_outward_surface(mesh: Mesh, name: str) -> None:
 
     Raises: InputError as there, and before `surface.self_touching` `surface.inside_out`.
     """
-    _require(
-        Surface(name, mesh),
-        ("surface.degenerate", (check_degenerate_faces,)),
-        ("surface.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
-        ("surface.not_closed", (check_closed,)),
-        ("surface.not_oriented", (check_orientation,)),
-        ("surface.inside_out", (check_outward,)),
-        ("surface.self_touching", (check_coincident_vertices,)),
-        ("surface.self_intersecting", (check_self_intersection,)),
-    )
+    _require(Surface(name, mesh), *_SOUND, _CLOSED, _ORIENTED, _OUTWARD, *_APART_FROM_ITSELF)
 
 
-def _require(surface: Surface, *wanted: tuple[str, tuple[Check, ...]]) -> None:
+def _require(surface: Surface, *wanted: Wanted) -> None:
     """Run checks, all of them; the code of the first that fails is raised."""
     failed: list[tuple[str, Finding]] = []
     for code, checks in wanted:

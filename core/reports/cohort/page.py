@@ -2,39 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from core.reports.cohort.summary import columns_of, sentence
-from core.reports.wording import significant
+from core.reports.template import template
 from core.schema.cohort import CohortSummary
 
 
 def render_page(summary: CohortSummary) -> str:
     """Names and messages are text, whatever they contain. Same summary, same bytes."""
-    return (
-        _environment()
-        .get_template("cohort.html.j2")
-        .render(
-            summary=summary,
-            sentence=sentence(summary),
-            columns=columns_of(summary.rows),
-            marked={(outlier.subject, outlier.column): outlier for outlier in summary.outliers},
-            troubled=[row for row in summary.rows if row.status != "successful"],
-        )
+    return template("cohort.html.j2").render(
+        summary=summary,
+        sentence=sentence(summary),
+        columns=columns_of(summary.rows),
+        marked={(outlier.subject, outlier.column): outlier for outlier in summary.outliers},
+        troubled=[row for row in summary.rows if row.status != "successful"],
     )
-
-
-@cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("core.reports", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["significant"] = significant
-    return environment

@@ -1,0 +1,44 @@
+"""The pages' templates: what is put in is text, and the words of numbers are the same on all of them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+
+from core.reports import wording
+
+
+def template(name: str) -> Template:
+    """A file of `core/reports/templates`, compiled once per process."""
+    return _environment().get_template(name)
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("core.reports", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    for word in (
+        "whole",
+        "significant",
+        "area",
+        "volume",
+        "drift",
+        "percent",
+        "yes_no",
+        "point",
+        "numbers",
+        "relation",
+        "flattened",
+        "outcome",
+        "quantity",
+        "spot",
+    ):
+        environment.filters[word] = getattr(wording, word)
+    return environment
