@@ -89,13 +89,12 @@ def read_cohort(
 
 
 def accept_cohort(services: Services, workspace: WorkspaceId, new: NewCohort, once: Once) -> Cohort:
-    """Into the table, with the reply that is kept; then ring for every job. Raises as `Cohorts.create`."""
+    """Into the table, with the reply that is kept; then ring for all its jobs. Raises as `Cohorts.create`."""
     attempts = services.settings.max_attempts + find_process(new.process).more_attempts
     with services.db.session() as session:
         cohort, jobs = services.cohorts.create(workspace, new, max_attempts=attempts, session=session)
         once.keep(Reply(201, {"Location": cohort_path(cohort.id)}, {"cohort": cohort.id}), session)
-    for job in jobs:
-        services.ringer.ring(job)
+    services.ringer.ring_cohort(cohort.id, jobs)
     return cohort
 
 

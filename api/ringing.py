@@ -7,6 +7,8 @@ import queue
 import threading
 import time
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 from core.errors import IntegumentError
@@ -23,6 +25,14 @@ BELLS = 16  # of one moment and queue: a worker that hears one takes all it has 
 logger = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, slots=True)
+class CohortBells:
+    """Jobs that are announced together."""
+
+    cohort_id: str
+    jobs: Sequence[Job]
+
+
 class Ringer:
     """Thread-safe; `ring` never waits.
 
@@ -33,7 +43,7 @@ class Ringer:
         self._doorbell = doorbell
         self._jobs = jobs
         self._commits = commits
-        self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._waiting: queue.SimpleQueue[Job | CohortBells | None] = queue.SimpleQueue()
         self._rung: list[tuple[str, int]] = []
         self._mark_at = 0.0
         self._thread = threading.Thread(target=self._loop, name="ringer", daemon=True)
@@ -52,42 +62,55 @@ class Ringer:
         """Announce a committed job soon."""
         self._waiting.put(job)
 
+    def ring_cohort(self, cohort_id: str, jobs: Sequence[Job]) -> None:
+        """The same for committed jobs of one cohort: one canvas, a bell for each of them."""
+        if jobs:
+            self._waiting.put(CohortBells(cohort_id, jobs))
+
     def _loop(self) -> None:
         open_ = True
         while open_:
-            jobs, open_ = self._next()
+            waiting, open_ = self._next()
             try:
-                self._announce(jobs)
+                self._announce(waiting)
                 if self._rung and (not open_ or len(self._rung) >= MOST_AT_ONCE or time.monotonic() >= self._mark_at):
                     self._mark()
             except IntegumentError as error:
-                logger.warning("%d jobs are announced later: %s", len(jobs), error)
+                logger.warning("what was accepted is announced later: %s", error)
             except Exception:
-                logger.exception("%d jobs are announced later", len(jobs))
+                logger.exception("what was accepted is announced later")
 
-    def _next(self) -> tuple[list[Job], bool]:
+    def _next(self) -> tuple[list[Job | CohortBells], bool]:
         """All that wait: one at least, unless marks are due before; False if it is the end."""
-        jobs: list[Job] = []
+        found: list[Job | CohortBells] = []
         try:
-            job = self._waiting.get(timeout=max(self._mark_at - time.monotonic(), 0.0) if self._rung else None)
+            one = self._waiting.get(timeout=max(self._mark_at - time.monotonic(), 0.0) if self._rung else None)
         except queue.Empty:
-            return jobs, True
-        while job is not None:
-            jobs.append(job)
-            if len(jobs) == MOST_AT_ONCE or self._waiting.empty():
-                return jobs, True
-            job = self._waiting.get()
-        return jobs, False
+            return found, True
+        while one is not None:
+            found.append(one)
+            if len(found) == MOST_AT_ONCE or self._waiting.empty():
+                return found, True
+            one = self._waiting.get()
+        return found, False
 
-    def _announce(self, jobs: list[Job]) -> None:
+    def _announce(self, waiting: Sequence[Job | CohortBells]) -> None:
         bells: Counter[JobQueue] = Counter()
-        for job in jobs:
-            if bells[job.queue] < BELLS and not self._doorbell.ring(job.id, job.attempt, job.queue):
+        for one in waiting:
+            if isinstance(one, CohortBells):
+                if not self._doorbell.ring_all(one.cohort_id, [(job.id, job.attempt, job.queue) for job in one.jobs]):
+                    return
+                self._keep_in_mind(one.jobs)
+                continue
+            if bells[one.queue] < BELLS and not self._doorbell.ring(one.id, one.attempt, one.queue):
                 return  # the others would wait as long in vain
-            bells[job.queue] += 1
-            if not self._rung:
-                self._mark_at = time.monotonic() + MARK_S
-            self._rung.append((job.id, job.attempt))
+            bells[one.queue] += 1
+            self._keep_in_mind([one])
+
+    def _keep_in_mind(self, jobs: Sequence[Job]) -> None:
+        if not self._rung:
+            self._mark_at = time.monotonic() + MARK_S
+        self._rung += [(job.id, job.attempt) for job in jobs]
 
     def _mark(self) -> None:
         """What the database does not take now, the reconciler rings for once more."""

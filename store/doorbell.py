@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable
 
-from celery import Celery
+from celery import Celery, Signature, group
 from kombu.exceptions import OperationalError
 
 from core.schema.expectation import JobQueue
@@ -41,17 +42,27 @@ class Doorbell:
 
         False if the broker did not take the message within about a second; the reconciler rings again later."""
         try:
-            self._app.send_task(
-                TASK,
-                kwargs={"job_id": job_id, "attempt": attempt},
-                queue=queue_name(self._queue, queue),
-                serializer="json",
-                ignore_result=True,
-            )
+            self._signature(job_id, attempt, queue).apply_async()
         except OperationalError as error:
             _log.warning("broker does not answer, job %s attempt %d is announced later: %s", job_id, attempt, error)
             return False
         return True
+
+    def ring_all(self, cohort_id: str, bells: Iterable[tuple[str, int, JobQueue]]) -> bool:
+        """For a whole cohort: one Celery group whose id is the cohort's, with a bell for each (job id, attempt, queue).
+
+        Nothing waits for the group's end: the job table knows it. False as in `ring`; some may have been rung then."""
+        canvas = group([self._signature(*bell) for bell in bells], app=self._app)
+        try:
+            canvas.apply_async(task_id=cohort_id, add_to_parent=False)
+        except OperationalError as error:
+            _log.warning("broker does not answer, the jobs of cohort %s are announced later: %s", cohort_id, error)
+            return False
+        return True
+
+    def _signature(self, job_id: str, attempt: int, queue: JobQueue | None) -> Signature:
+        told = {"job_id": job_id, "attempt": attempt}
+        return self._app.signature(TASK, kwargs=told, queue=queue_name(self._queue, queue), serializer="json", ignore_result=True)
 
     def is_answered(self) -> bool:
         """True if a broker of the right kind takes connections; a hanging one is told within about two seconds."""

@@ -172,8 +172,7 @@ def retry_cohort(
         with services.db.session() as session:
             cohort, jobs = services.cohorts.retry(workspace, cohort_id, session=session)
             once.keep(Reply(202, {"Location": path}, {"cohort": cohort_id}), session)
-        for job in jobs:
-            services.ringer.ring(job)
+        services.ringer.ring_cohort(cohort.id, jobs)
         return cohort
 
     cohort, replayed = once.answer(retry, partial(find_cohort, services, workspace))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -104,3 +105,34 @@ def test_a_broker_that_is_away_costs_one_attempt(jobs: Jobs, valkey: ValkeyServe
     again.ring(late)
     again.stop()
     assert jobs.get(DEFAULT_WORKSPACE, late.id).rung_at is not None
+
+
+def bells_of(valkey: ValkeyServer, queue: str) -> list[dict[str, object]]:
+    broker = redis.Redis(unix_socket_path=str(valkey.socket_path))
+    found = [json.loads(bell)["headers"] for bell in broker.lrange(queue, 0, -1)]
+    broker.close()
+    return found
+
+
+def test_a_cohort_is_announced_as_one_group(jobs: Jobs, valkey: ValkeyServer) -> None:
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
+    subjects = accepted(jobs, BELLS + 10)
+    ringer.ring_cohort("cohort-1", subjects)
+    ringer.ring_cohort("cohort-without-subjects", [])
+    ringer.start()
+    ringer.stop()
+    bells = bells_of(valkey, f"here.{subjects[0].queue.value}")
+    assert {bell["group"] for bell in bells} == {"cohort-1"}
+    assert sorted(bell["group_index"] for bell in bells) == list(range(len(subjects)))
+    assert rung(jobs) == len(subjects)
+    assert jobs.due_to_ring(60.0) == []
+
+
+def test_a_cohort_that_no_broker_took_is_left_to_the_reconciler(jobs: Jobs, valkey: ValkeyServer) -> None:
+    ringer = Ringer(Doorbell(valkey.url, "here"), jobs, GroupCommit(jobs._db))
+    valkey.kill()
+    ringer.ring_cohort("cohort-1", accepted(jobs, 5))
+    ringer.start()
+    ringer.stop()
+    assert rung(jobs) == 0
+    assert len(jobs.due_to_ring(60.0)) == 5

@@ -51,6 +51,24 @@ def test_the_message_carries_id_and_attempt_only(valkey: ValkeyServer, doorbell:
     assert message["headers"]["eta"] is None
 
 
+def test_a_cohort_rings_as_one_canvas(valkey: ValkeyServer, doorbell: Doorbell) -> None:
+    """A bell each, in the queue of each job, all of one group; the group has no result that could be lost."""
+    bells = [(f"{JOB[:-1]}{number}", 1, queue) for number, queue in enumerate((JobQueue.FAST, JobQueue.HEAVY, JobQueue.FAST))]
+    assert doorbell.ring_all("a-cohort", bells) is True
+    fast, heavy = waiting(valkey, "jobs.fast"), waiting(valkey, "jobs.heavy")
+    assert [message["headers"]["group"] for message in fast + heavy] == ["a-cohort"] * 3
+    told = [json.loads(base64.b64decode(message["body"]))[1:] for message in (fast[1], heavy[0], fast[0])]
+    assert [kwargs["job_id"] for kwargs, _ in told] == [job for job, _, _ in bells]
+    assert all(embed["chord"] is None for _, embed in told)
+    with redis.Redis(unix_socket_path=str(valkey.socket_path)) as client:
+        assert client.keys("celery-task*") == []
+
+
+def test_a_canvas_for_a_broker_that_is_away(valkey: ValkeyServer, doorbell: Doorbell) -> None:
+    valkey.kill()
+    assert doorbell.ring_all("a-cohort", [(JOB, 1, JobQueue.FAST)]) is False
+
+
 def test_the_queue_can_be_named(valkey: ValkeyServer) -> None:
     bell = Doorbell(valkey.url, queue="heavy")
     assert bell.ring(JOB, 1)

@@ -28,8 +28,8 @@ def accepted(service: Service, seconds: float) -> tuple[Cohort, tuple[Job, ...]]
     cohort, jobs = Cohorts(service.db, service.jobs).create(
         DEFAULT_WORKSPACE, NewCohort("validate", {}, subjects), max_attempts=MOST
     )
-    for job in jobs:
-        service.doorbell.ring(job.id, job.attempt)
+    assert service.doorbell.ring_all(cohort.id, [(job.id, job.attempt, job.queue) for job in jobs])
+    service.jobs.mark_all_rung((job.id, job.attempt) for job in jobs)
     return cohort, jobs
 
 
@@ -72,6 +72,21 @@ def test_a_broker_that_forgets_the_bells_loses_no_subject(service: Service, valk
     cohort, jobs = accepted(service, 0.0)
     valkey.kill()
     valkey.start()
+    service.start_worker()
+    summary = ended(service, cohort)
+    assert summary.status is JobStatus.SUCCESSFUL
+    assert [ends_told(service, job) for job in jobs] == [1] * SUBJECTS
+    assert summaries(service) == [summary.id]
+
+
+def test_a_broker_that_loses_everything_midway_loses_no_subject(service: Service, valkey: ValkeyServer) -> None:
+    """What is left of the group goes with it; the job table has the rest."""
+    service.start_worker()
+    cohort, jobs = accepted(service, 0.2)
+    service.wait(jobs[1], limit_s=PATIENCE_S)
+    valkey.kill()
+    valkey.start()
+    assert any(service.jobs.get(DEFAULT_WORKSPACE, job.id).status is JobStatus.ACCEPTED for job in jobs)
     service.start_worker()
     summary = ended(service, cohort)
     assert summary.status is JobStatus.SUCCESSFUL
