@@ -155,3 +155,17 @@ def test_ctrl_c_dismisses_the_job_when_the_server_was_started_for_the_call(tmp_p
     assert process.returncode == 130
     assert "was dismissed" in rest
     assert not (tmp_path / "data" / "server.json").exists()
+
+
+def test_jobs_are_named_and_a_wrong_unit_is_told_at_once(
+    client: Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tall = tmp_path / "tall.stl"
+    trimesh.creation.box((1700.0, 400.0, 300.0)).export(tall)  # mm, and said to be m
+    main(["validate", str(tall), "--unit", "m", "--name", "Anna", "--label", "pilot", "--label", "ages"])
+    assert "warning mesh.unit_suspicious: tall is 1.7e+06 mm long" in capsys.readouterr().err
+    [job] = client.jobs(labels=["pilot", "ages"], text="anna")
+    assert (job.name, job.process) == ("Anna", "validate")
+    main(["validate", str(tall), "--unit", "m", "--json"])
+    told = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert [one["code"] for one in told if one["event"] == "finding"] == ["mesh.unit_suspicious"]

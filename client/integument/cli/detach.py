@@ -13,12 +13,13 @@ from integument.cli.layer_text import CONTACT_FORM, read_contact_region
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ReportOption, SkinArgument, UnitOption
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command()(detach)
+    add_process_command(app, detach)
 
 
 def detach(

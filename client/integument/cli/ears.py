@@ -26,6 +26,7 @@ from integument.cli.options import (
     ThinPolicyOption,
     UnitOption,
 )
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 from integument.errors import ArgumentError
 
@@ -34,7 +35,7 @@ AUTO = "auto"
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command()(ears)
+    add_process_command(app, ears)
 
 
 def ears(

@@ -10,15 +10,13 @@ from typing import Annotated, Any
 import typer
 
 from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end, see_to_end
+from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import read_layers, read_region
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
-    LabelOption,
     LayerOption,
     MinGapOption,
-    NameOption,
     OuterLayerOption,
     PackageOption,
     RegionOption,
@@ -28,15 +26,16 @@ from integument.cli.options import (
     ThinPolicyOption,
     UnitOption,
 )
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 from integument.errors import ArgumentError
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    app.command()(shells)
-    app.command()(validate)
-    app.command()(run)
+    add_process_command(app, shells)
+    add_process_command(app, validate)
+    add_process_command(app, run)
 
 
 def shells(
@@ -102,8 +101,6 @@ def run(
     output: Annotated[
         list[str] | None, typer.Option("--output", "-o", metavar="NAME=FILE", help="Output to fetch and where to; repeat.")
     ] = None,
-    name: NameOption = None,
-    label: LabelOption = None,
     report: ReportOption = None,
 ) -> None:
     """Run any process with inputs from a JSON file."""
@@ -112,8 +109,7 @@ def run(
     wanted.require_room()
     document = read_inputs(inputs)
     with connect(options) as session:
-        job = session.client.execute(process, document, name=name, labels=label or ())
-        raise typer.Exit(see_to_end(session, options, job, wanted))
+        raise typer.Exit(run_to_end(session, options, process, document, wanted))
 
 
 def _read_output(text: str) -> tuple[str, Path]:

@@ -13,12 +13,13 @@ from integument.cli.layer_text import BOX_FORM, read_box
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ReportOption, UnitOption
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command()(graft)
+    add_process_command(app, graft)
 
 
 def graft(

@@ -104,7 +104,9 @@ def _show(screen: Screen, job: Job, report: Report | None, files: Mapping[str, s
 
 def run_to_end(session: Session, options: Options, process: str, inputs: Mapping[str, Any], wanted: Wanted) -> ExitCode:
     """Queue the job, watch it, and conclude when the bar is gone."""
-    return see_to_end(session, options, session.client.execute(process, inputs), wanted)
+    words = options.words
+    job = session.client.execute(process, inputs, name=words.name, labels=words.labels)
+    return see_to_end(session, options, job, wanted)
 
 
 def see_to_end(session: Session, options: Options, job: Job, wanted: Wanted) -> ExitCode:

@@ -36,6 +36,7 @@ from integument.cli.options import (
     ThinPolicyOption,
     UnitOption,
 )
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 from integument.cli.tissue_text import read_conductivities, read_pairs
 from integument.errors import ArgumentError
@@ -46,7 +47,7 @@ MOST_SMOOTHED_MM = 1.0
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command()(prepare)
+    add_process_command(app, prepare)
 
 
 def prepare(

@@ -14,7 +14,9 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 from rich.table import Column
 from rich.text import Text
 
+from integument.cli.verdict_table import STYLES
 from integument.event import JobEvent
+from integument.report import Finding
 from integument.upload import OnBytes
 
 LINE_EVERY_PERCENT = 5.0
@@ -32,6 +34,9 @@ class ProgressView(Protocol):
     def on_event(self, event: JobEvent) -> None:
         """Something happened to the job."""
 
+    def on_finding(self, finding: Finding) -> None:
+        """The server noticed something about an upload."""
+
     def transfer(self, label: str) -> OnBytes:
         """A place for an upload or download to tell how far it is."""
 
@@ -48,6 +53,9 @@ class Silent:
     def on_event(self, event: JobEvent) -> None:
         """Nothing."""
 
+    def on_finding(self, finding: Finding) -> None:
+        """Nothing."""
+
     def transfer(self, label: str) -> OnBytes:
         """Nothing."""
         return lambda _done, _total: None
@@ -60,6 +68,10 @@ class JsonLines(Silent):
         """The event as the server sent it."""
         line = {"event": event.type, "id": event.id, **event.data}
         sys.stderr.write(json.dumps(line, ensure_ascii=False) + "\n")
+
+    def on_finding(self, finding: Finding) -> None:
+        """The finding as the server sent it."""
+        sys.stderr.write(json.dumps({"event": "finding", **finding.as_json()}, ensure_ascii=False) + "\n")
 
 
 class Lines(Silent):
@@ -82,6 +94,10 @@ class Lines(Silent):
                 self._print(f"{progress:4.0f} % {event.phase}  {event.message}".rstrip())
         elif event.type == "status":
             self._print(f"       {event.data.get('status', '')} {event.message}".rstrip())
+
+    def on_finding(self, finding: Finding) -> None:
+        """One line."""
+        self._print(f"       {finding.severity} {finding.code}: {finding.message}")
 
     def transfer(self, label: str) -> OnBytes:
         """One line when it is done."""
@@ -128,6 +144,10 @@ class Bar:
         if event.phase:
             self._progress.update(self._job, description=escape(event.phase))
         self._progress.update(self._job, completed=event.progress, message=escape(self._fitting(event.message)))
+
+    def on_finding(self, finding: Finding) -> None:
+        """Stays above the bars."""
+        self._progress.console.print(Text(f"{finding.severity} {finding.code}: {finding.message}", STYLES[finding.severity]))
 
     def _fitting(self, message: str) -> str:
         """Rich would shrink the bar in favour of a long message."""

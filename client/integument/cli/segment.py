@@ -12,12 +12,13 @@ from integument.cli.layer_text import read_label_names
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import PackageOption, ReportOption
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command()(segment)
+    add_process_command(app, segment, "--job-name")
 
 
 def segment(

@@ -15,12 +15,21 @@ from integument.embedded import EmbeddedServer
 
 
 @dataclass(frozen=True, slots=True)
+class JobWords:
+    """What people call the job that is asked for."""
+
+    name: str | None = None
+    labels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Options:
     """What holds for every command."""
 
     server: str | None
     screen: Screen
     key_file: Path | None = None
+    words: JobWords = JobWords()
 
     def api_key(self) -> str | None:
         """Of --key-file; without it the client looks at INTEGUMENT_API_KEY. Raises: ArgumentError."""

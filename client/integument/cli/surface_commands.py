@@ -27,6 +27,7 @@ from integument.cli.options import (
     UnitOption,
     VolumeOption,
 )
+from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
 from integument.errors import ArgumentError
@@ -35,11 +36,11 @@ from integument.surface_processes import Unit
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    app.command()(heal)
-    app.command()(decimate)
-    app.command()(smooth)
-    app.command()(separate)
-    app.command()(tetrahedralize)
+    add_process_command(app, heal)
+    add_process_command(app, decimate)
+    add_process_command(app, smooth)
+    add_process_command(app, separate)
+    add_process_command(app, tetrahedralize)
 
 
 def heal(
