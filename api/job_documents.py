@@ -7,6 +7,7 @@ import math
 from starlette.requests import Request
 
 from api.links import BASE, RESULTS_RELATION, Query, absolute, job_path, link
+from api.outlook import Outlook
 from api.schemas.job import Failure, JobList, ResultReference, Results, StatusInfo
 from api.schemas.link import Link
 from store.job import Job
@@ -16,8 +17,8 @@ REPORT_OUTPUT = "report"
 REPORT_HTML_OUTPUT = "report_html"
 
 
-def describe_job(request: Request, job: Job, queue_position: int | None = None) -> StatusInfo:
-    """statusInfo of a job; `queue_position` counts from 1 while it waits."""
+def describe_job(request: Request, job: Job, outlook: Outlook | None = None) -> StatusInfo:
+    """statusInfo of a job; `outlook` where it may still wait."""
     ended = job.status.is_finished
     return StatusInfo(
         job_id=job.id,
@@ -27,7 +28,7 @@ def describe_job(request: Request, job: Job, queue_position: int | None = None) 
         cohort_id=job.cohort_id,
         subject=job.subject,
         status=job.status.value,
-        message=job.message,
+        message=job.message if outlook is None else outlook.message_of(job),
         progress=math.floor(job.progress),
         created=job.created_at,
         started=job.started_at,
@@ -35,7 +36,7 @@ def describe_job(request: Request, job: Job, queue_position: int | None = None) 
         updated=job.updated_at,
         expires=job.expires_at,
         phase=job.phase or None,
-        queue_position=queue_position,
+        queue_position=None if outlook is None else outlook.position,
         attempt=job.attempt,
         verdict=job.verdict,
         summary=job.summary,
@@ -65,13 +66,13 @@ def describe_failure(job: Job) -> Failure | None:
     )
 
 
-def list_jobs(request: Request, page: Page[Job], query: Query) -> JobList:
+def list_jobs(request: Request, page: Page[Job], query: Query, outlook: Outlook) -> JobList:
     """One page; `query` are the filters, repeated in the link to the next page."""
     path = f"{BASE}/jobs"
     links = [link(request, path, "self", title="Jobs")]
     if page.next is not None:
         links.append(Link(href=absolute(request, path, [*query, ("cursor", page.next)]), rel="next", type="application/json"))
-    return JobList(jobs=tuple(describe_job(request, job) for job in page.items), next=page.next, links=tuple(links))
+    return JobList(jobs=tuple(describe_job(request, job, outlook) for job in page.items), next=page.next, links=tuple(links))
 
 
 def refer_to_results(request: Request, job: Job) -> Results:

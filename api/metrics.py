@@ -87,6 +87,12 @@ def _presence(workers: Sequence[Worker]) -> Iterator[Metric]:
     alive = [worker for worker in here if worker.state is WorkerState.ALIVE]
     slots = sum(worker.word.concurrency for worker in alive)
     yield GaugeMetricFamily("integument_worker_slots", "Jobs the workers that are there can run at a time.", value=slots)
+    serving = GaugeMetricFamily(
+        "integument_queue_workers", "Workers that take jobs of a queue; 0: its jobs wait.", labels=("queue",)
+    )
+    for queue in JobQueue:
+        serving.add_metric((queue.value,), sum(queue in worker.word.queues for worker in alive))
+    yield serving
     memory = sum(worker.word.memory_bytes for worker in alive)
     yield GaugeMetricFamily("integument_worker_memory_bytes", "Memory their jobs may use together.", value=memory)
     if here:

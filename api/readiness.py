@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from api.outlook import describe_unserved
 from api.request_folder import request_folder
 from api.services import Services
 
@@ -34,7 +35,12 @@ def _check_drain(services: Services) -> str | None:
 
 
 def _check_workers(services: Services) -> str | None:
-    return None if services.workers.any_alive() else "no worker has given word lately; jobs are accepted, and wait"
+    served = services.workers.served_queues()
+    if not served:
+        return "no worker has given word lately; jobs are accepted, and wait"
+    oldest_s = services.backlog.oldest_waiting_s()
+    unserved = [f"{describe_unserved(queue, served)}, and some wait" for queue in oldest_s if queue not in served]
+    return "; ".join(unserved) or None
 
 
 CHECKS: dict[str, Callable[[Services], str | None]] = {

@@ -14,6 +14,7 @@ from api.audit_trail import AuditTrail
 from api.drain import Drain
 from api.http_tally import HttpTally
 from api.job_watch import JobWatch
+from api.outlook import Outlooks
 from api.ringing import Ringer
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
@@ -72,6 +73,7 @@ class Services:
     watch: JobWatch
     backlog: Backlog
     workers: Workers
+    outlooks: Outlooks
     metrics: Metrics
     http_tally: HttpTally
     keys: IdempotencyKeys
@@ -106,6 +108,7 @@ def make_services(settings: Settings) -> Services:
     quotas = Quotas(db, default_bytes=settings.quota_bytes, default_jobs=settings.quota_jobs)
     jobs = Jobs(db, quotas, RetentionPolicies(db, RetentionPolicy.of(settings)))
     doorbell = Doorbell(settings.broker_url, settings.queue)
+    workers = Workers(db, settings)
     heads, drain = JobHeads(db), Drain()
     return Services(
         settings=settings,
@@ -126,7 +129,8 @@ def make_services(settings: Settings) -> Services:
         heads=heads,
         watch=JobWatch(heads, drain, settings.event_poll_s),
         backlog=Backlog(db),
-        workers=Workers(db, settings),
+        workers=workers,
+        outlooks=Outlooks(jobs, workers),
         metrics=metrics,
         http_tally=HttpTally(metrics),
         keys=IdempotencyKeys(db, settings.idempotency_hours),

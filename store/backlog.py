@@ -45,13 +45,17 @@ class Backlog:
                 .where(JobRow.status.in_(LIVE))
                 .group_by(JobRow.process, JobRow.queue, JobRow.status)
             ).all()
+            uploads = session.execute(select(func.count()).where(UploadRow.mesh_id.is_(None))).scalar_one()
+        jobs = {(process, JobQueue(queue), JobStatus(status)): count for process, queue, status, count in grouped}
+        return BacklogCount(jobs, {**dict.fromkeys(JobQueue, 0.0), **self.oldest_waiting_s()}, uploads)
+
+    def oldest_waiting_s(self) -> Mapping[JobQueue, float]:
+        """The same waits alone, without the queues in which nothing waits."""
+        with self._db.reading() as session:
             oldest = session.execute(
                 select(JobRow.queue, func.min(JobRow.queued_at, type_=Instant()))
                 .where(JobRow.status == JobStatus.ACCEPTED)
                 .group_by(JobRow.queue)
             ).all()
-            uploads = session.execute(select(func.count()).where(UploadRow.mesh_id.is_(None))).scalar_one()
             now = self._db.now(session)
-        jobs = {(process, JobQueue(queue), JobStatus(status)): count for process, queue, status, count in grouped}
-        waiting_s = {JobQueue(queue): max((now - since).total_seconds(), 0.0) for queue, since in oldest}
-        return BacklogCount(jobs, dict.fromkeys(JobQueue, 0.0) | waiting_s, uploads)
+        return {JobQueue(queue): max((now - since).total_seconds(), 0.0) for queue, since in oldest}

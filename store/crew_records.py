@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import BigInteger, Integer, String, Text
+from sqlalchemy import BigInteger, Integer, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from store.instant import Instant
@@ -34,6 +34,7 @@ class WorkerRow(Record):
     memory_bytes: Mapped[int] = mapped_column(BigInteger)
     disk_free_bytes: Mapped[int] = mapped_column(BigInteger)
     draining: Mapped[bool]
+    queues: Mapped[str] = mapped_column(String(64), server_default=text("'fast,heavy'"))
     started_at: Mapped[datetime] = mapped_column(Instant)
     seen_at: Mapped[datetime] = mapped_column(Instant)
 

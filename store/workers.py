@@ -9,6 +9,7 @@ from enum import StrEnum
 
 from sqlalchemy import delete, select
 
+from core.schema.expectation import JobQueue
 from store.crew_records import WorkerRow
 from store.database import Database
 from store.settings import Settings
@@ -28,7 +29,8 @@ class WorkerState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class WorkerWord:
-    """What a worker says of itself. memory_bytes: what its jobs may use together; disk_free_bytes: where they work."""
+    """What a worker says of itself. memory_bytes: what its jobs may use together; disk_free_bytes: where they work;
+    queues: whose jobs it takes."""
 
     name: str
     host: str
@@ -37,6 +39,7 @@ class WorkerWord:
     memory_bytes: int
     disk_free_bytes: int
     draining: bool = False
+    queues: tuple[JobQueue, ...] = tuple(JobQueue)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +71,7 @@ class Workers:
             row.host, row.version = storable_text(word.host, 255), storable_text(word.version, 64)
             row.concurrency, row.draining = word.concurrency, word.draining
             row.memory_bytes, row.disk_free_bytes, row.seen_at = word.memory_bytes, word.disk_free_bytes, now
+            row.queues = ",".join(word.queues)
 
     def leave(self, name: str) -> None:
         """It stopped in good order."""
@@ -81,9 +85,10 @@ class Workers:
             rows = session.scalars(select(WorkerRow).order_by(WorkerRow.host, WorkerRow.started_at, WorkerRow.name))
             return [self._worker(row, now) for row in rows]
 
-    def any_alive(self) -> bool:
-        """Whether somebody is there to take a job."""
-        return any(worker.state is WorkerState.ALIVE for worker in self.list())
+    def served_queues(self) -> frozenset[JobQueue]:
+        """Those whose jobs somebody is there to take."""
+        alive = (worker for worker in self.list() if worker.state is WorkerState.ALIVE)
+        return frozenset(queue for worker in alive for queue in worker.word.queues)
 
     def sweep(self, kept_s: float = KEPT_S) -> int:
         """Forget those that vanished longer ago; returns how many."""
@@ -96,8 +101,9 @@ class Workers:
         state = WorkerState.DRAINING if row.draining else WorkerState.ALIVE
         if silent_s > self._stale_s:
             state = WorkerState.LOST
+        queues = tuple(map(JobQueue, row.queues.split(",")))
         word = WorkerWord(
-            *(row.name, row.host, row.version, row.concurrency, row.memory_bytes, row.disk_free_bytes, row.draining)
+            *(row.name, row.host, row.version, row.concurrency, row.memory_bytes, row.disk_free_bytes, row.draining, queues)
         )
         return Worker(word, state, row.started_at, row.seen_at, silent_s)
 

@@ -36,6 +36,7 @@ class Presence:
             memory_bytes=self._settings.worker_memory_bytes,
             disk_free_bytes=shutil.disk_usage(self._settings.data_dir).free,
             draining=self._closing.has_begun,
+            queues=self._settings.worker_queues,
         )
 
     def leave(self) -> None:

@@ -69,7 +69,7 @@ def get_jobs(
     query = [("status", one) for one in status] + [("processID", one) for one in process_id]
     query += [("label", one) for one in label] + [("q", q)] * bool(q) + [("cohort", str(cohort))] * bool(cohort)
     query += [("limit", str(limit))]
-    jobs = list_jobs(request, page, query)
+    jobs = list_jobs(request, page, query, services.outlooks.without_place())
     add_next_link(response, jobs.links)
     return jobs
 
@@ -153,4 +153,4 @@ def _queue_again(services: Services, workspace: WorkspaceId, job_id: str, key: s
 async def _described(services: Services, request: Request, job: Job) -> StatusInfo:
     if job.status != "accepted":
         return describe_job(request, job)
-    return describe_job(request, job, await run_in_threadpool(services.jobs.queue_position, job.workspace, job.id))
+    return describe_job(request, job, await run_in_threadpool(services.outlooks.of, job))

@@ -13,6 +13,7 @@ from api.execution import find_and_read, resolve_meshes
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.job_documents import describe_job
 from api.links import BASE, job_path
+from api.outlook import Outlook
 from api.parameters import IdempotencyKey, PreferencesDep
 from api.process_documents import describe_process, find_process, list_processes
 from api.responses import problems
@@ -64,12 +65,12 @@ async def execute_process(
     """Accept a job and answer at once, or with `Prefer: wait=N` when it ends; follow Location for progress."""
     subscriber = read_subscriber(services, request, body.subscriber)
     asked = (workspace, process_id, body, subscriber, idempotency_key)
-    job, replayed, position = await run_in_threadpool(_accept, services, *asked)
+    job, replayed, outlook = await run_in_threadpool(_accept, services, *asked)
     if preferences.wait_s:
         job = await wait_until(services, job, preferences.wait_s, has_ended)
-        position = await run_in_threadpool(services.jobs.queue_position, workspace, job.id)
+        outlook = await run_in_threadpool(services.outlooks.of, job)
     headers = {"Location": job_path(job.id), **preferences.applied(), **({REPLAYED: "true"} if replayed else {})}
-    told = describe_job(request, job, position).model_dump_json(exclude_none=True)
+    told = describe_job(request, job, outlook).model_dump_json(exclude_none=True)
     return Response(told, status_code=201, headers=headers, media_type="application/json")
 
 
@@ -80,8 +81,8 @@ def _accept(
     body: ExecuteRequest,
     subscriber: Subscriber | None,
     key: str | None,
-) -> tuple[Job, bool, int | None]:
-    """The job, whether an earlier request with this key made it, and its place in the queue."""
+) -> tuple[Job, bool, Outlook]:
+    """The job, whether an earlier request with this key made it, and what it may expect."""
     process, inputs = find_and_read(process_id, body)
     path = f"{BASE}/processes/{process_id}/execution"
     once = Once(services, workspace, key, fingerprint_of("POST", path, body.identity()))
@@ -110,5 +111,4 @@ def _accept(
         return job
 
     job, replayed = once.answer(accept, lambda kept: services.jobs.get(workspace, str(kept["job"])))
-    jobs = services.jobs
-    return job, replayed, jobs.queue_position(workspace, job.id) if replayed else jobs.position_of(workspace, job)
+    return job, replayed, services.outlooks.of(job) if replayed else services.outlooks.of_accepted(job)

@@ -9,9 +9,11 @@ from datetime import timedelta
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
+from core.schema.expectation import JobQueue
 from server.doctor.diagnosis import Diagnosis, fine, warning, wrong
 from server.doctor.patient import Patient
 from store.audit import Audit
+from store.backlog import Backlog
 from store.callback import CallbackState
 from store.callbacks import Callbacks
 from store.job import JobStatus
@@ -44,9 +46,21 @@ def _workers(patient: Patient) -> Iterator[Diagnosis]:
         yield warning("workers", f"{said}: {lost}", "look at the logs of these hosts; their jobs were taken over")
     else:
         yield fine("workers", said)
+    served = frozenset(queue for worker in found if worker.state is WorkerState.ALIVE for queue in worker.word.queues)
+    yield from _queues(patient, served)
     others = {worker.word.version for worker in found if worker.state is not WorkerState.LOST} - {SERVER_VERSION}
     if others:
         yield warning("versions", f"this is {SERVER_VERSION}, workers run {', '.join(sorted(others))}", "end the upgrade")
+
+
+def _queues(patient: Patient, served: frozenset[JobQueue]) -> Iterator[Diagnosis]:
+    """Those only some of the workers serve, and now nobody; without any worker that one finding is enough."""
+    waiting = Backlog(patient.db).count()
+    for queue in sorted(set(JobQueue) - served) if served else ():
+        jobs = sum(number for (_, one, status), number in waiting.jobs.items() if (one, status) == (queue, JobStatus.ACCEPTED))
+        said = f"no living worker takes {queue} jobs; {jobs} wait"
+        advice = f"start a worker with {queue} among its INTEGUMENT_WORKER_QUEUES"
+        yield wrong(f"queue {queue}", said, advice) if jobs else warning(f"queue {queue}", said, advice)
 
 
 def _jobs(patient: Patient) -> Iterator[Diagnosis]:

@@ -6,6 +6,7 @@ import signal
 from dataclasses import replace
 from pathlib import Path
 
+from core.schema.expectation import JobQueue
 from store.settings import Settings
 from store.workers import WorkerWord
 from tests.api.live import Live, problem_of, serving
@@ -35,6 +36,17 @@ def test_it_is_not_without_a_worker_but_can_still_serve(api: Live) -> None:
     problem_of(api.client.get("/readyz"), 503, "server.not_ready")
     api.services.workers.leave(WORKER.name)
     problem_of(api.client.get("/readyz?exclude=everything"), 422, "request.invalid")
+
+
+def test_it_is_not_while_jobs_wait_that_nobody_takes(tmp_path: Path, shared_valkey: ValkeyServer) -> None:
+    with serving(Settings(data_dir=tmp_path, broker_url=shared_valkey.url)) as live:
+        live.services.workers.beat(replace(WORKER, queues=(JobQueue.FAST,)))
+        assert live.client.get("/readyz").status_code == 200, "nobody has asked for a heavy one"
+        live.accepted("shells")
+        problem = problem_of(live.client.get("/readyz"), 503, "server.not_ready")
+        assert problem["facts"] == {"workers": "no living worker takes heavy jobs, and some wait"}
+        live.services.workers.beat(replace(WORKER, name="host-b:1"))
+        assert live.client.get("/readyz").status_code == 200
 
 
 def test_it_is_not_while_the_broker_is_away(tmp_path: Path, valkey: ValkeyServer) -> None:

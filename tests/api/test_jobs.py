@@ -6,6 +6,7 @@ import base64
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -14,8 +15,10 @@ import httpx
 import pytest
 
 from core.errors import InputError, InternalError
+from core.schema.expectation import JobQueue
 from store.job import Job, JobFailure
 from store.settings import Settings
+from store.workers import WorkerWord
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
 
@@ -23,9 +26,20 @@ OPEN_EDGES = JobFailure.of(InputError("skin.not_closed", "the skin has 3 open ed
 CRASHED = JobFailure.of(InternalError("child.crashed", "the work was ended by signal SIGSEGV", signal="SIGSEGV"))
 
 
+WORKER = WorkerWord("host-a:17", "host-a", "0.1.0", 2, 16 * 1024**3, 10**11)
+
+
 def status_of(api: Live, job: Job) -> dict[str, Any]:
     told: dict[str, Any] = api.client.get(f"/v1/jobs/{job.id}").json()
     return told
+
+
+def await_messages(told: Callable[[], set[str]], message: str) -> None:
+    """Until all of them are that: the server looks at its workers once a second."""
+    deadline = time.monotonic() + 20
+    while told() != {message}:
+        assert time.monotonic() < deadline, told()
+        time.sleep(0.05)
 
 
 def test_a_running_job_shows_phase_and_progress(api: Live) -> None:
@@ -72,6 +86,25 @@ def test_queue_positions_count_from_one(tmp_path: Path) -> None:
         assert [status_of(live, job)["queuePosition"] for job in jobs] == [1, 2, 3]
         live.client.delete(f"/v1/jobs/{jobs[0].id}")
         assert [status_of(live, job)["queuePosition"] for job in jobs[1:]] == [1, 2]
+
+
+def test_a_job_that_nobody_takes_says_so(tmp_path: Path) -> None:
+    with serving(Settings(data_dir=tmp_path, event_poll_s=0.05)) as live:
+        job = live.accepted("shells")
+        assert status_of(live, job)["message"] == "waits for a worker; no living worker is there"
+        live.services.workers.beat(replace(WORKER, queues=(JobQueue.FAST,)))
+
+        def messages() -> set[str]:
+            """In the status and in the list."""
+            (listed,) = live.client.get("/v1/jobs").json()["jobs"]
+            return {status_of(live, job)["message"], listed["message"]}
+
+        await_messages(messages, "waits for a worker; no living worker takes heavy jobs")
+        live.services.workers.beat(WORKER)
+        await_messages(messages, "waits for a worker")
+        live.services.workers.leave(WORKER.name)
+        live.client.delete(f"/v1/jobs/{job.id}")
+        assert "worker" not in status_of(live, job)["message"], "it waits no more"
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from core.errors import InternalError
+from core.schema.expectation import JobQueue
 from store.api_keys import ApiKeys
 from store.job import JobFailure
 from store.scope import Scope
@@ -51,6 +52,7 @@ def test_what_there_is_to_do_and_who_is_there(tmp_path: Path) -> None:
         live.services.workers.beat(WorkerWord("a:1", "a", "0.1.0", 2, 16, 1000))
         live.services.workers.beat(WorkerWord("b:1", "b", "0.2.0", 8, 64, 500))
         live.services.workers.beat(WorkerWord("c:1", "c", "0.2.0", 8, 64, 900, draining=True))
+        live.services.workers.beat(WorkerWord("d:1", "d", "0.2.0", 0, 0, 900, queues=(JobQueue.FAST,)))
         StoredBytes(live.services.db).measure()
         with live.client.stream("GET", f"/v1/jobs/{running.id}/events") as stream:
             lines = stream.iter_lines()
@@ -72,9 +74,10 @@ def test_what_there_is_to_do_and_who_is_there(tmp_path: Path) -> None:
     assert value(told, "stage_seconds_bucket", process="validate", stage="validate", le="0.3") == 1
     assert value(told, "stage_seconds_bucket", process="validate", stage="validate", le="+Inf") == 1
     assert value(told, "stage_seconds_sum", process="shells", stage="shells") == 1.5
-    assert [value(told, "workers", state=state) for state in ("alive", "draining", "lost")] == [2, 1, 0]
-    assert value(told, "worker_versions", version="0.2.0") == 2
+    assert [value(told, "workers", state=state) for state in ("alive", "draining", "lost")] == [3, 1, 0]
+    assert value(told, "worker_versions", version="0.2.0") == 3
     assert (value(told, "worker_slots"), value(told, "worker_memory_bytes")) == (10, 80)
+    assert [value(told, "queue_workers", queue=queue) for queue in ("fast", "heavy")] == [3, 2]
     assert value(told, "worker_disk_free_bytes") == 500
     assert value(told, "worker_last_seen_seconds") < 60
     assert value(told, "stored_bytes", kind="outputs") > 0

@@ -36,13 +36,14 @@ def unfolded(service: Service) -> int:
 def test_a_worker_is_there_until_it_says_goodbye(service: Service) -> None:
     workers = Workers(service.db, service.settings)
     service.start_worker()
-    until(workers.any_alive, service)
+    until(workers.served_queues, service)
     job = service.wait(service.submit("write"))
     (one,) = workers.list()
     assert one.word.host == socket.gethostname()
     assert one.word.name.startswith(f"{one.word.host}:")
     assert (one.word.version, one.word.concurrency) == (SERVER_VERSION, service.settings.worker_concurrency)
     assert min(one.word.memory_bytes, one.word.disk_free_bytes) > 0
+    assert one.word.queues == service.settings.worker_queues
     assert one.state is WorkerState.ALIVE
     until(lambda: unfolded(service) == 0, service)
     cells = Metrics(service.db).read()
@@ -55,7 +56,7 @@ def test_a_worker_is_there_until_it_says_goodbye(service: Service) -> None:
 def test_one_that_is_killed_is_missed(service: Service) -> None:
     workers = Workers(service.db, service.settings)
     service.start_worker()
-    until(workers.any_alive, service)
+    until(workers.served_queues, service)
     service.stop_workers(signal.SIGKILL)
     (lost,) = workers.list()
     assert lost.state is WorkerState.ALIVE, "nobody can know yet"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 from sqlalchemy import update
 
+from core.schema.expectation import JobQueue
 from server.admin.command import admin
 from server.doctor.diagnosis import Diagnosis, Health
 from server.doctor.examine import examine
@@ -139,6 +141,20 @@ def test_work_that_is_stuck_is_found(db: Database, settings: Settings, look: Loo
     with db.session() as session:
         session.execute(update(JobRow).where(JobRow.id == running.id).values(lease_until=long_ago))
     assert look()["jobs"].health is Health.WRONG
+
+
+def test_a_queue_that_nobody_serves_is_found(db: Database, settings: Settings, look: Look) -> None:
+    Workers(db, settings).beat(replace(word(), queues=(JobQueue.FAST,)))
+    assert look()["queue heavy"].health is Health.WARNING
+    Jobs(db).create(DEFAULT_WORKSPACE, "heal", {})
+    found = look()
+    assert (found["queue heavy"].health, found["queue heavy"].said) == (
+        Health.WRONG,
+        "no living worker takes heavy jobs; 1 wait",
+    )
+    assert "queue fast" not in found
+    Workers(db, settings).beat(word("host:2"))
+    assert "queue heavy" not in look()
 
 
 def test_places_that_are_open_or_full_are_found(settings: Settings, look: Look, tmp_path: Path) -> None:
