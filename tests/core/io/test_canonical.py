@@ -9,6 +9,7 @@ import pytest
 
 from core.errors import InternalError
 from core.io import canonical
+from core.io.array_file import PREFIX
 from subjects.body import body
 from tests.core.io.tiny import TETRAHEDRON, jagged
 
@@ -85,10 +86,10 @@ def test_no_flipped_bit_and_no_lost_byte_goes_unnoticed(file: Path) -> None:
     ],
 )
 def test_a_directory_that_describes_no_mesh_is_corrupt(file: Path, directory: bytes) -> None:
-    padded = directory + bytes(-(len(directory) + canonical.PREFIX.size) % 64)
+    padded = directory + bytes(-(len(directory) + PREFIX.size) % 64)
     rest = padded + bytes(64)
-    file.write_bytes(canonical.PREFIX.pack(canonical.MAGIC, len(padded), zlib.crc32(rest)) + rest)
-    with pytest.raises(InternalError, match="does not describe a mesh") as caught:
+    file.write_bytes(PREFIX.pack(canonical.MAGIC, len(padded), zlib.crc32(rest)) + rest)
+    with pytest.raises(InternalError, match="does not describe") as caught:
         canonical.load(file)
     assert caught.value.code == "canonical.corrupt"
 
@@ -96,6 +97,6 @@ def test_a_directory_that_describes_no_mesh_is_corrupt(file: Path, directory: by
 def test_the_directory_is_json_without_code(file: Path) -> None:
     canonical.save(TETRAHEDRON, file)
     data = file.read_bytes()
-    _, size, _ = canonical.PREFIX.unpack_from(data)
-    entries = json.loads(data[canonical.PREFIX.size : canonical.PREFIX.size + size].rstrip(b"\0"))
+    _, size, _ = PREFIX.unpack_from(data)
+    entries = json.loads(data[PREFIX.size : PREFIX.size + size].rstrip(b"\0"))
     assert entries == [{"name": "vertices", "type": "<f8", "shape": [4, 3]}, {"name": "faces", "type": "<i4", "shape": [4, 3]}]
