@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -17,6 +17,8 @@ RESERVED_NAMES = ("package", "report", "report_html", "FreeSpace")
 class SurfacesInputs(FrozenModel):
     """Exactly one of `mesh`, `meshes` and `package`. Several surfaces are treated together and stay apart."""
 
+    subjects: ClassVar[tuple[str, ...]] = ("mesh", "meshes", "package")
+
     mesh: MeshReference | None = Field(None, description="One surface")
     meshes: Annotated[dict[MeshName, MeshReference], Field(min_length=1, max_length=64)] | None = Field(
         None, description="Surfaces by name, treated together: none may come nearer to another than `min_gap_mm`"
@@ -28,9 +30,9 @@ class SurfacesInputs(FrozenModel):
 
     @model_validator(mode="after")
     def _one_subject(self) -> SurfacesInputs:
-        given = [name for name in ("mesh", "meshes", "package") if getattr(self, name) is not None]
+        given = [name for name in self.subjects if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(f"exactly one of mesh, meshes and package is wanted, got {', '.join(given) or 'none'}")
+            raise ValueError(f"exactly one of {', '.join(self.subjects)} is wanted, got {', '.join(given) or 'none'}")
         # names become outputs and files, and some file systems do not tell cases apart
         names = list(self.meshes or ())
         if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):

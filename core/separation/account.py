@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from core.geometry.adjacency import edges
 from core.geometry.components import label_connected
+from core.schema.counted import counted
 from core.schema.separate import SeparateInputs
 from core.separation.separate import Separated, Separation
 from core.validation.measure import significant
@@ -39,6 +40,7 @@ def _row(name: str, tissue: Separated, inputs: SeparateInputs) -> dict[str, Any]
         "may_move": "no" if name in inputs.fixed else "yes",
         "priority": inputs.priority.get(name, 0),
         "vertices": len(tissue.shift_mm),
+        "faces_added": tissue.faces_added,
         "moved_vertices": len(shifts),
         "mean_shift_mm": significant(float(shifts.mean())) if len(shifts) else 0.0,
         "largest_shift_mm": significant(float(shifts.max(initial=0.0))),
@@ -53,7 +55,7 @@ def _places(name: str, tissue: Separated) -> dict[str, Any]:
     return {
         "mesh": name,
         "kind": "gap_opened",
-        "message": f"{int(moved.sum())} of {len(moved)} vertices moved at {len(farthest)} place(s), by "
+        "message": f"{int(moved.sum())} of {len(moved)} vertices moved at {counted(len(farthest), 'place')}, by "
         f"{tissue.shift_mm[moved].mean():.3g} mm on average and {shifts[0]:.3g} mm at most",
         "count": len(farthest),
         "max_distance_mm": significant(float(shifts[0])),

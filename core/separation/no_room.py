@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from core.errors import InputError
+from core.geometry.bisection import longest_edges
 from core.schema.finding import MAX_PLACES, Finding, Severity
 from core.schema.separate import SeparateInputs
 from core.separation.opening import Closeness
@@ -28,7 +29,9 @@ def no_room(
     findings = tuple(_finding(tissues, closeness, relations[closeness.a, closeness.b]) for closeness in worst_first)
     return InputError(
         "separate.no_room",
-        f"a gap of {inputs.min_gap_mm:g} mm could not be opened everywhere: {findings[0].message}",
+        f"a gap of {inputs.min_gap_mm:g} mm could not be opened everywhere: {findings[0].message}; allow a larger "
+        "`max_shift_mm`, let more surfaces move, or take finer surfaces: what was thinned out one by one has lost the room "
+        "between its folds",
         findings=findings,
         pairs=len(left),
         min_gap_mm=inputs.min_gap_mm,
@@ -42,18 +45,20 @@ def _size(closeness: Closeness) -> int:
 
 def _finding(tissues: Mapping[str, Tissue], closeness: Closeness, relation: Relation) -> Finding:
     a, b = closeness.a, closeness.b
-    places = []
+    places, lengths = [], []
     for name, contact, wrong in zip((a, b), closeness.contacts, closeness.wrong, strict=True):
         mesh = tissues[name].original
+        lengths.append(longest_edges(mesh.vertices, mesh.faces[contact.faces]))
         closest = contact.faces[np.argsort(contact.distance_mm, kind="stable")][: MAX_PLACES // 2]
         places += [*face_places(name, mesh, closest), *vertex_places(name, mesh, wrong[: MAX_PLACES // 2 - len(closest)])]
     faces = sum(len(contact.faces) for contact in closeness.contacts)
     stuck = [name for name in (a, b) if not tissues[name].movable]
     why = f"{' and '.join(stuck)} fixed" if stuck else "all room around them used up"
+    edges = f", with edges up to {np.concatenate(lengths).max():.3g} mm long" if faces else ""
     return Finding(
         code="separate.no_room",
         severity=Severity.ERROR,
-        message=f"{a}, {WORDS[relation]} {b}, stays too close at {faces} faces ({why})",
+        message=f"{a}, {WORDS[relation]} {b}, stays too close at {faces} faces{edges} ({why})",
         count=_size(closeness),
         places=tuple(places[:MAX_PLACES]),
     )

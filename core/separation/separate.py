@@ -16,6 +16,7 @@ from core.geometry.exact_intersection import find_intersecting_faces
 from core.mesh import Mesh
 from core.run import SILENT, RunContext
 from core.schema.separate import SeparateInputs
+from core.separation.finer import refine_stuck
 from core.separation.no_room import no_room
 from core.separation.opening import Relations, find_wrong, open_gaps
 from core.separation.relations import Relation, find_relations
@@ -25,6 +26,7 @@ from core.validation.requirements import require_outward_surface
 
 Floats = NDArray[np.float64]
 
+MOST_REFINEMENTS = 3  # times that faces are halved where tissues stay too close
 EASING_ROUNDS = 5
 TOGETHER_ROUNDS = 2  # of them, in which all vertices of a surface try at once
 EASED = 1.001  # of the gap: what vertices on their way home keep
@@ -35,12 +37,14 @@ SLACK = 1e-9  # of the gap: the same minimum found on another path through the t
 class Separated:
     """One tissue and what became of it.
 
-    mesh: exact in float32, same faces. original: as it came, rounded to float32. shift_mm: (V,) way of each vertex.
+    mesh: exact in float32. original: as it came, rounded to float32, with the same faces: where they were too large to bend they
+    are halved in both. shift_mm: (V,) way of each vertex. faces_added: by halving.
     """
 
     mesh: Mesh
     original: Mesh
     shift_mm: Floats
+    faces_added: int
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,8 +61,9 @@ def separate(surfaces: Mapping[str, Mesh], inputs: SeparateInputs, run: RunConte
 
     Needs:    closed, manifold surfaces free of self-intersection; between them they may cross and touch.
     Promises: no two of them intersect (exact) and every two are the gap apart, on coordinates exact in float32; each lies where
-              `relations` says; none intersects itself; same vertices and faces; fixed ones keep every bit; no vertex goes farther
-              than `inputs.max_shift_mm`; same input, same bytes.
+              `relations` says; none intersects itself; vertices keep their numbers, and faces, too, but where they are halved
+              because they are too large to bend; fixed ones keep every bit; no vertex goes farther than
+              `inputs.max_shift_mm`; same input, same bytes.
     Raises:   InputError `surface.*`, `separate.*`; InternalError `separate.not_proven`.
     Source:   thesis Eq. (4.1), 4.1; method in docs/algorithms/separation.md.
     """
@@ -70,18 +75,35 @@ def separate(surfaces: Mapping[str, Mesh], inputs: SeparateInputs, run: RunConte
         look.advance((count + 1) / len(originals))
     relations = find_relations(originals, inputs.inside)
     gap_mm = inputs.min_gap_mm
-    tissues = {
-        name: Tissue.of(name, mesh, inputs.priority.get(name, 0), gap_mm, movable=name not in inputs.fixed)
-        for name, mesh in originals.items()
-    }
-    left = open_gaps(tissues, relations, gap_mm, inputs.max_shift_mm, run.stage("separate: open gaps", 0.1, 0.7))
-    if left:
-        raise no_room(tissues, left, relations, inputs)
+    tissues = _open(originals, relations, inputs, run.stage("separate: open gaps", 0.1, 0.7))
     _ease(tissues, gap_mm, run.stage("separate: take back", 0.7, 0.9))
     prove = run.stage("separate: proof", 0.9, 1.0)
     gaps = _prove(tissues, relations, gap_mm)
     prove.advance(1.0, f"smallest gap {min(gaps.values()):.4g} mm" if gaps else "")
-    return Separation({name: _separated(tissue) for name, tissue in tissues.items()}, relations, gaps)
+    made = {name: _separated(tissue, len(surfaces[name].faces)) for name, tissue in tissues.items()}
+    return Separation(made, relations, gaps)
+
+
+def _open(originals: Mapping[str, Mesh], relations: Relations, inputs: SeparateInputs, run: RunContext) -> dict[str, Tissue]:
+    """All tissues apart; with finer faces where that is not possible with theirs. Raises: InputError `separate.no_room`."""
+    gap_mm, surfaces = inputs.min_gap_mm, dict(originals)
+    came = {name: len(mesh.faces) for name, mesh in originals.items()}
+    for refinement in range(MOST_REFINEMENTS + 1):
+        tissues = {
+            name: Tissue.of(name, mesh, inputs.priority.get(name, 0), gap_mm, movable=name not in inputs.fixed)
+            for name, mesh in surfaces.items()
+        }
+        left = open_gaps(tissues, relations, gap_mm, inputs.max_shift_mm, run)
+        if not left:
+            break
+        finer = refine_stuck(tissues, left, gap_mm, came) if refinement < MOST_REFINEMENTS else {}
+        if not finer:
+            raise no_room(tissues, left, relations, inputs)
+        surfaces |= finer
+        run.log(
+            "finer where they stay too close: " + ", ".join(f"{name} {len(mesh.faces)} faces" for name, mesh in finer.items())
+        )
+    return tissues
 
 
 def _require_known(inputs: SeparateInputs, surfaces: Mapping[str, Mesh]) -> None:
@@ -122,6 +144,7 @@ def _prove(tissues: Mapping[str, Tissue], relations: Relations, gap_mm: float) -
     return gaps
 
 
-def _separated(tissue: Tissue) -> Separated:
+def _separated(tissue: Tissue, came: int) -> Separated:
     mesh = tissue.original.with_vertices(tissue.vertices)
-    return Separated(mesh, tissue.original, np.linalg.norm(tissue.displacement(), axis=1))
+    shift_mm = np.linalg.norm(tissue.displacement(), axis=1)
+    return Separated(mesh, tissue.original, shift_mm, len(mesh.faces) - came)

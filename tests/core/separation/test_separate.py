@@ -118,6 +118,24 @@ def test_what_is_apart_is_not_touched() -> None:
     assert not any(tissue.shift_mm.any() for tissue in result.tissues.values())
 
 
+def plate() -> Mesh:
+    """40 x 40 x 2 mm, 12 faces."""
+    return cube(1.0).with_vertices(cube(1.0).vertices * (40.0, 40.0, 2.0))
+
+
+PRESSED = {"plate": plate(), "up": sphere(6.0, 3, at=(12.0, 12.0, 6.8)), "down": sphere(6.0, 3, at=(28.0, 28.0, -4.8))}
+
+
+def test_faces_too_large_to_bend_are_halved_where_it_matters() -> None:
+    result = separated(PRESSED, fixed=["up", "down"])
+    require_apart(result)
+    made = result.tissues["plate"]
+    assert 0 < made.faces_added == len(made.mesh.faces) - 12
+    assert np.array_equal(made.original.vertices[:8], PRESSED["plate"].vertices)
+    assert made.original.faces.shape == made.mesh.faces.shape
+    assert all(result.tissues[name].faces_added == 0 for name in ("up", "down"))
+
+
 def test_same_input_same_bytes() -> None:
     first, second = separated(SIDE_BY_SIDE), separated(SIDE_BY_SIDE)
     for name in SIDE_BY_SIDE:
