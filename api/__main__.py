@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from api.app import create_app
 from api.binding import require_allowed_binding
-from api.guarded_connection import GuardedConnection
+from api.guarded_connection import guarded_connections
 from core.errors import IntegumentError
 from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
@@ -49,7 +49,7 @@ def main() -> int:
     app = create_app(settings)
     config = uvicorn.Config(
         app,
-        http=GuardedConnection,
+        http=guarded_connections(settings),
         host=settings.host,
         port=settings.port,
         log_config=None,  # its lines are like ours; requests are told of by api.request_log

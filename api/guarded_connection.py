@@ -1,31 +1,39 @@
-"""One connection, with what the HTTP server leaves open: bounds for the head of a request, in bytes and in time.
+"""One connection, with what the HTTP server leaves open: how many there may be, and how slow.
 
-Without them a client could send header lines without end, which all stay in memory, or one byte a minute on as many
-connections as it likes. Bodies are bounded where they are read (api/body_limit.py, api/request_body.py).
+Without bounds a client could send header lines without end, which all stay in memory, or one byte a minute on as many
+connections as it likes, or ask for large files and never read them. Bodies are bounded where they are read
+(api/body_limit.py, api/request_body.py).
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+from functools import partial
 from http import HTTPStatus
-from typing import Any
+from typing import Any, cast
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
+from api.crowd import Crowd
 from api.problems import MEDIA_TYPE
 from api.request_context import SECURITY_HEADERS
 from api.request_id import HEADER, choose_request_id
+from store.settings import Settings
 
 HEAD_BYTES = 64 * 1024
 HEAD_S = 20.0  # from the first byte, or from the connection, to the last header line
+UNREAD_S = 60.0  # for 48 KiB of an answer: whoever reads slower than 0.8 kB a second holds a place for nothing
+CROWDED = "connections.exceeded"
 
 
 class GuardedConnection(HttpToolsProtocol):
-    """Ends what sends too much or too little before its request has begun; tells why by a problem, as everywhere."""
+    """Ends what sends too much or too little before its request has begun, and tells why by a problem; and what does not read."""
 
-    def __init__(self, *arguments: Any, **named: Any) -> None:
+    def __init__(self, crowd: Crowd, *arguments: Any, **named: Any) -> None:
         super().__init__(*arguments, **named)
+        self._crowd = crowd
+        self._unread: asyncio.TimerHandle | None = None
         self._head_bytes = 0
         self._in_head = True
         self._patience: asyncio.TimerHandle | None = None
@@ -33,12 +41,30 @@ class GuardedConnection(HttpToolsProtocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._be_patient()
+        if not self._crowd.enter(self._address):
+            self._refuse(
+                503, CROWDED, f"There are {self._crowd.most_of_one} connections of your address or {self._crowd.most} in all"
+            )
 
     def connection_lost(self, exc: Exception | None) -> None:
+        self._crowd.leave(self._address)
         self._end_patience()
+        self.resume_writing()
         super().connection_lost(exc)
 
+    def pause_writing(self) -> None:
+        self._unread = self.loop.call_later(UNREAD_S, self.transport.abort)
+        super().pause_writing()
+
+    def resume_writing(self) -> None:
+        if self._unread is not None:
+            self._unread.cancel()
+            self._unread = None
+        super().resume_writing()
+
     def data_received(self, data: bytes) -> None:
+        if self.transport.is_closing():  # refused: what still comes is nobody's
+            return
         if self._patience is None and (self.cycle is None or self.cycle.response_complete):
             self._be_patient()  # also for what comes between requests and begins none
         super().data_received(data)
@@ -60,6 +86,10 @@ class GuardedConnection(HttpToolsProtocol):
 
     def send_400_response(self, msg: str) -> None:
         self._refuse(400, "request.malformed", msg)
+
+    @property
+    def _address(self) -> str:
+        return self.client[0] if self.client else ""
 
     def _be_patient(self) -> None:
         self._patience = self.loop.call_later(HEAD_S, self._lose_patience)
@@ -84,7 +114,7 @@ class GuardedConnection(HttpToolsProtocol):
             "detail": detail,
             "code": code,
             "request_id": request_id,
-            "retryable": status == HTTPStatus.REQUEST_TIMEOUT,
+            "retryable": status in (HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.SERVICE_UNAVAILABLE),
         }
         body = json.dumps(problem).encode()
         headers = {
@@ -98,3 +128,9 @@ class GuardedConnection(HttpToolsProtocol):
         lines = [f"HTTP/1.1 {status} {phrase}", *(f"{name}: {value}" for name, value in headers.items()), "", ""]
         self.transport.write("\r\n".join(lines).encode("ascii") + body)
         self.transport.close()
+
+
+def guarded_connections(settings: Settings) -> type[asyncio.Protocol]:
+    """What the HTTP server makes a connection of: all of them know how many there are."""
+    make = partial(GuardedConnection, Crowd(settings.connections, settings.connections_per_address))
+    return cast(type[asyncio.Protocol], make)  # it is called, and nothing else

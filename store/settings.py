@@ -142,6 +142,10 @@ class Settings(BaseSettings):
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = Field(
         (), description="Host names requests may carry besides loopback ones, separated by commas; `*` for any"
     )
+    connections: int = Field(2000, ge=0, le=1_000_000, description="Connections one API process keeps open; 0: no limit")
+    connections_per_address: int = Field(
+        1000, ge=0, le=1_000_000, description="Of these from one address (IPv6: one network of 64 bits); 0: no limit, for a proxy"
+    )
     event_streams: int = Field(200, ge=1, le=10_000, description="Event streams the API keeps open at once")
     upload_limit_bytes: Size = Field(ByteSize(2 * GIB), description="Largest file of one upload")
     upload_hours: float = Field(

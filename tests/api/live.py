@@ -16,7 +16,7 @@ import httpx
 import uvicorn
 
 from api.app import create_app
-from api.guarded_connection import GuardedConnection
+from api.guarded_connection import guarded_connections
 from api.services import Services
 from store.job import Job, JobFailure, JobOutput
 from store.settings import Settings
@@ -130,7 +130,9 @@ def serving(settings: Settings) -> Iterator[Live]:
     listener = socket.socket()
     listener.bind(("127.0.0.1", 0))
     url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-    config = uvicorn.Config(app, http=GuardedConnection, log_level="warning", lifespan="on", timeout_graceful_shutdown=5)
+    config = uvicorn.Config(
+        app, http=guarded_connections(settings), log_level="warning", lifespan="on", timeout_graceful_shutdown=5
+    )
     server = uvicorn.Server(config)
     started = threading.Event()
     thread = threading.Thread(target=_run, args=(server, listener, started))

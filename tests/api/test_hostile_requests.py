@@ -7,13 +7,15 @@ import json
 import socket
 import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
+from pathlib import Path
 
 import psutil
 import pytest
 
 from api import body_limit, guarded_connection
-from tests.api.live import Live, problem_of
+from store.settings import Settings
+from tests.api.live import Live, problem_of, serving
 
 HEAD = b"GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
 POST = b"POST /v1/processes/validate/execution HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
@@ -27,8 +29,9 @@ def served_after(api: Live) -> Iterator[None]:
     assert api.client.get("/v1/jobs").status_code == 200
 
 
-def connect(api: Live) -> socket.socket:
-    connection = socket.create_connection(("127.0.0.1", int(api.url.rsplit(":", 1)[1])), timeout=30)
+def connect(api: Live, from_address: str = "127.0.0.1") -> socket.socket:
+    address = ("127.0.0.1", int(api.url.rsplit(":", 1)[1]))
+    connection = socket.create_connection(address, timeout=30, source_address=(from_address, 0))
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return connection
 
@@ -102,6 +105,61 @@ def test_a_connection_that_was_good_once_is_no_licence(api: Live, monkeypatch: p
         while piece := connection.recv(65536):
             rest.write(piece)
         assert b" 408 " in rest.getvalue()
+
+
+def test_connections_are_counted_by_address(tmp_path: Path) -> None:
+    settings = Settings(data_dir=tmp_path, connections=6, connections_per_address=3, rate_per_s=0)
+    with serving(settings) as live:
+        live.client.close()  # it keeps one
+        held: list[socket.socket] = []
+        try:
+            for host in ("127.0.0.2", "127.0.0.3"):
+                held += [connect(live, host) for _ in range(3)]
+                for connection in held[-3:]:
+                    connection.sendall(HEAD + b"\r\n")
+                    assert b" 200 " in connection.recv(65536)
+                with closing(connect(live, host)) as refused:
+                    require_problem(answer(refused), 503, "connections.exceeded")
+            with closing(connect(live, "127.0.0.4")) as refused:
+                require_problem(answer(refused), 503, "connections.exceeded")
+            held.pop().close()
+            assert is_served(live, "127.0.0.4"), "a place is free again"
+        finally:
+            for connection in held:
+                connection.close()
+
+
+def is_served(live: Live, host: str) -> bool:
+    """As soon as the server has seen who left."""
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:
+        with closing(connect(live, host)) as connection, suppress(ConnectionError):
+            connection.sendall(HEAD + b"Connection: close\r\n\r\n")
+            if answer(connection)[0] == 200:
+                return True
+        time.sleep(0.05)
+    return False
+
+
+def test_an_answer_nobody_reads_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guarded_connection, "UNREAD_S", 0.5)
+    with serving(Settings(data_dir=tmp_path)) as live:
+        job = live.successful({"package": (bytes(64 << 20), "application/zip", "package.zip")})
+        with closing(connect(live)) as connection:
+            connection.sendall(f"GET /v1/jobs/{job.id}/results/package HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            assert connection.recv(1024).startswith(b"HTTP/1.1 200")
+            deadline = time.monotonic() + 20
+            while is_held_for(connection):
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+        whole = live.client.get(f"/v1/jobs/{job.id}/results/package")
+        assert len(whole.content) == 64 << 20, "whoever reads gets all of it"
+
+
+def is_held_for(connection: socket.socket) -> bool:
+    """Whether the server, which is this process, too, still has its end of it."""
+    theirs = connection.getsockname()
+    return any(tuple(one.raddr) == theirs for one in psutil.Process().net_connections("tcp4"))
 
 
 def test_trickling_heads_hold_no_one_up(api: Live, monkeypatch: pytest.MonkeyPatch) -> None:
