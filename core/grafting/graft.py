@@ -16,6 +16,7 @@ from core.grafting.refusal import place_finding, require_region
 from core.grafting.wall import Box
 from core.mesh import Mesh
 from core.run import SILENT, RunContext
+from core.schema.counted import counted
 
 EDGE_SHARE = 0.6  # of the seam's width: longest edges along the walls
 ATTEMPTS = 12  # each widens the seam where it did not fit
@@ -69,7 +70,7 @@ def graft(
         joined, seams = join(pieces, pairs, trees, max_distance_mm)
         kept, put_in = (int(piece.taken.sum()) for piece in pieces)
         misfits = find_misfits(joined, kept, put_in)
-        run.advance(attempt / ATTEMPTS, f"attempt {attempt}: {len(seams)} seam(s), {len(misfits)} faces do not fit")
+        run.advance(attempt / ATTEMPTS, f"attempt {attempt}: {counted(len(seams), 'seam')}, {len(misfits)} faces do not fit")
         if len(misfits) == 0:
             removed = len(base_piece.mesh.faces) - kept
             band = len(joined.faces) - kept - put_in

@@ -14,6 +14,7 @@ from core.geometry.face_tree import FaceTree
 from core.grafting.piece import Piece
 from core.grafting.refusal import place_finding, words
 from core.grafting.transition import nearest_distance
+from core.schema.counted import counted
 
 Floats = NDArray[np.float64]
 Pieces = tuple[Piece, Piece]
@@ -38,15 +39,15 @@ def match_rims(pieces: Pieces, depth_mm: float) -> tuple[Pieces, Pairs]:
     pairs, alone = _pair_pieces(pieces)
     counts = [len(piece.rims) for piece in pieces]
     message = (
-        f"the walls of the region cut the base along {counts[0]} line(s) and the donor along {counts[1]}, of which {len(pairs)} "
-        "belong together; move the box to where its walls pass both surfaces alike"
+        f"the walls of the region cut the base along {counted(counts[0], 'line')} and the donor along {counts[1]}, "
+        f"of which {len(pairs)} belong together; move the box to where its walls pass both surfaces alike"
     )
     findings = tuple(
         place_finding(
             "graft.loops_do_not_match",
             piece.name,
             [piece.mesh.vertices[piece.rims[rim]].mean(axis=0) for rim in rims],
-            f"{len(rims)} line(s) of the {piece.name} at the walls have no counterpart",
+            f"{counted(len(rims), 'line')} of the {piece.name} at the walls have no counterpart",
         )
         for piece, rims in zip(pieces, alone, strict=True)
         if rims

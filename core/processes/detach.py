@@ -22,6 +22,7 @@ from core.processes.written_surfaces import write_and_read_back
 from core.reports.figures.compose import draw_mesh_figures
 from core.reports.figures.contact_sections import ShownContact, draw_contact_sections
 from core.run import RunContext
+from core.schema.counted import counted
 from core.schema.detach import DetachInputs, DetachSettings
 from core.schema.finding import Finding, Place, Severity
 from core.schema.report import Report
@@ -108,7 +109,7 @@ def _summary(made: Detached) -> str:
 def contact_findings_of(made: Detached) -> tuple[Finding, ...]:
     """Where contacts were opened, and where a slit ends within the body."""
     opened = tuple(Place(mesh=OUTPUT, point_mm=contact.middle_mm) for contact in made.contacts)
-    message = f"{len(opened)} contact(s) were opened; each place is the middle of one"
+    message = f"{counted(len(opened), 'contact')} were opened; each place is the middle of one"
     findings = [Finding(code="detach.opened", severity=Severity.INFO, message=message, count=len(opened), places=opened)]
     ending = [contact for contact in made.contacts if contact.end_mm > 0.0]
     if ending:

@@ -23,7 +23,7 @@ from core.run import SILENT
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
 from core.schema.report import Report
-from core.schema.surfaces import SurfacesInputs
+from core.schema.surfaces import SurfaceSubject
 from core.validation.validate import validate
 
 MOST_FACES_CHECKED = 2_000_000  # a failure should not keep people waiting
@@ -43,7 +43,7 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
             "verdict": "not_ready",
             "summary": error.message,
             "findings": (*findings, *_others(looked_at.findings, findings)),
-            "parameters": known.parameters or {"inputs": payload["inputs"], "meshes": _sources(payload)},
+            "parameters": known.parameters or {"inputs": _asked(payload["inputs"]), "sha256": _sources(payload)},
             "software": software_versions(),
         }
     )
@@ -68,10 +68,19 @@ def _others(found: tuple[Finding, ...], told: tuple[Finding, ...]) -> tuple[Find
     return tuple(finding for finding in found if finding.code not in codes)
 
 
-def _sources(payload: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """Link -> name and checksum of the upload behind it."""
-    known = ("name", "sha256")
-    return {href: {key: str(entry[key]) for key in known if key in entry} for href, entry in payload["meshes"].items()}
+def _sources(payload: Mapping[str, Any]) -> dict[str, str]:
+    """Name -> checksum of every upload the job was given; links tell nothing to somebody without the server."""
+    names = make_unique(str(entry.get("name", "mesh")) for entry in payload["meshes"].values())
+    return {
+        name: str(entry["sha256"]) for name, entry in zip(names, payload["meshes"].values(), strict=True) if "sha256" in entry
+    }
+
+
+def _asked(inputs: Any) -> Any:
+    """The inputs without their links."""
+    if isinstance(inputs, Mapping):
+        return {key: value for key, each in inputs.items() if key != "href" and (value := _asked(each)) != {}}
+    return [_asked(each) for each in inputs] if isinstance(inputs, list | tuple) else inputs
 
 
 def _given(process: str, payload: Mapping[str, Any], error: IntegumentError) -> dict[str, Mesh]:

@@ -19,6 +19,7 @@ from core.processes.software import software_versions
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.compose import draw_mesh_figures
 from core.run import RunContext
+from core.schema.counted import counted
 from core.schema.finding import Finding, Place, Severity
 from core.schema.graft import GraftInputs
 from core.schema.report import Report
@@ -115,15 +116,15 @@ def _report(
 def _summary(made: Graft) -> str:
     widest = max(seam.widest_mm for seam in made.seams)
     return (
-        f"{made.donor_faces} faces of the donor set into {made.base_faces} of the base along {len(made.seams)} seam(s) of "
-        f"{made.band_faces} new faces; at the seams the surfaces are up to {made.apart_mm:.3g} mm apart, the widest gap between "
+        f"{made.donor_faces} faces of the donor set into {made.base_faces} of the base along {counted(len(made.seams), 'seam')} "
+        f"of {made.band_faces} new faces; at the seams the surfaces are up to {made.apart_mm:.3g} mm apart, the widest gap between "
         f"their rims is {widest:.3g} mm."
     )
 
 
 def _seams(made: Graft) -> Finding:
     places = tuple(Place(mesh=OUTPUT, point_mm=seam.point_mm) for seam in made.seams)
-    message = f"base and donor were joined along {len(made.seams)} seam(s); each place is where the gap was widest"
+    message = f"base and donor were joined along {counted(len(made.seams), 'seam')}; each place is where the gap was widest"
     return Finding(code="graft.seam", severity=Severity.INFO, message=message, count=len(made.seams), places=places)
 
 

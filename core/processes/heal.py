@@ -18,6 +18,7 @@ from core.processes.surface_package import PROOF, SurfaceJob, deliver_surfaces
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.change_places import draw_change_places
 from core.run import RunContext
+from core.schema.counted import counted
 from core.schema.finding import Finding, Severity
 from core.schema.heal import HealInputs
 from core.schema.report import Report
@@ -28,7 +29,7 @@ METHODS = (
     "The surface was mended by a fixed sequence of local steps, each of which leaves what is sound as it is: duplicate and "
     "degenerate faces, cracks and T-junctions at borders, edges and vertices that are not manifold, orientation, small pieces, "
     "holes, and self-intersections, again until no check found a fault. The job would have been refused if the volume had "
-    "changed by more than {volume:g} of it, the area by more than {area:g}, or the surface had moved by more than "
+    "changed by more than {volume:g} %, the area by more than {area:g} %, or the surface had moved by more than "
     "{deviation:g} mm, filled holes and pieces taken away apart. "
 )
 OWN_NAME = "surface"  # what the algorithm calls the one surface it sees
@@ -84,7 +85,11 @@ def run_heal(inputs: HealInputs, meshes: Mapping[str, Mapping[str, Any]], run: R
 
 def healing_methods(inputs: HealInputs) -> str:
     """Citable; numbers are those of `REFERENCES` of `validate`."""
-    limits = {"volume": inputs.max_volume_change, "area": inputs.max_area_change, "deviation": inputs.max_deviation_mm}
+    limits = {
+        "volume": 100 * inputs.max_volume_change,
+        "area": 100 * inputs.max_area_change,
+        "deviation": inputs.max_deviation_mm,
+    }
     return METHODS.format(**limits) + PROOF
 
 
@@ -120,8 +125,9 @@ def healing_summary(report: Report, before: Validation, healed: Mapping[str, Hea
             dict.fromkeys(change["kind"].replace("_", " ") for change in healed[name].changes if "places" in change)
         )
         kept = comparison.kept_vertices / max(1, report.meshes[name].vertices)
-        rows.append(f"{name}: mended {kinds}; {kept:.2%} of the vertices are those that came{_moved(healed[name])}")
-    return f"{faults} faults found. {'; '.join(rows)}."
+        share = min(100 * kept, 99.99) if kept < 1 else 100
+        rows.append(f"{name}: mended {kinds}; {share:.4g} % of the vertices are those that came{_moved(healed[name])}")
+    return f"{counted(faults, 'fault')} found. {'; '.join(rows)}."
 
 
 def _moved(result: Healed) -> str:

@@ -14,6 +14,7 @@ from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.smoothing_course import draw_smoothing_course
 from core.reports.palette import tissue_colours
 from core.run import RunContext
+from core.schema.counted import counted
 from core.schema.report import Report
 from core.schema.smooth import SmoothInputs
 from core.smoothing.smooth import smooth
@@ -83,10 +84,13 @@ def _summary(report: Report, delivered: Mapping[str, int]) -> str:
     rows = []
     for name, comparison in report.comparisons.items():
         before, after = comparison.before.quality, report.meshes[name].quality
-        drift = "" if comparison.volume_change is None else f", volume {comparison.volume_change:+.3%}"
+        drift = "" if comparison.volume_change is None else f", volume {100 * comparison.volume_change:+.3f} %"
+        done = counted(delivered[name], "iteration")
         rows.append(
-            f"{name}: lowest quality {before.minimum:.3g} to {after.minimum:.3g} in {delivered[name]} iteration(s){drift}, "
+            f"{name}: lowest quality {before.minimum:.3g} to {after.minimum:.3g} in {done}{drift}, "
             f"deviation up to {comparison.deviation.maximum_mm:.3g} mm"
+            if delivered[name]
+            else f"{name} stays as it was: no iteration raised its lowest quality, {before.minimum:.3g}"
         )
     return f"{'; '.join(rows)}."
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from core.reports.wording import flattened, point, significant
+from core.reports.facts import fact_value, facts_of, heading
 
 MOST_ROWS = 100
-SAID_ELSEWHERE = ("mesh", "message", "what", "kind")
+SAID_ELSEWHERE = ("mesh", "message", "what", "change", "kind")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ def change_entries(changes: Sequence[Mapping[str, Any]]) -> tuple[ChangeEntry, .
 def _entry(change: Mapping[str, Any]) -> ChangeEntry:
     tables = {key: value for key, value in change.items() if _is_table(value)}
     facts = {key: value for key, value in change.items() if key not in tables and key not in SAID_ELSEWHERE}
-    words = str(change.get("message") or change.get("what") or change.get("kind") or "")
+    words = str(change.get("message") or change.get("what") or change.get("change") or change.get("kind") or "")
     return ChangeEntry(
         mesh=str(change.get("mesh", "")),
         words=words,
-        facts=tuple(flattened(facts)),
+        facts=tuple(facts_of(facts)),
         tables=tuple(_table(key, rows) for key, rows in tables.items()),
     )
 
@@ -55,13 +55,5 @@ def _is_table(value: object) -> bool:
 
 def _table(title: str, rows: Sequence[Mapping[str, Any]]) -> ChangeTable:
     columns = tuple(dict.fromkeys(key for row in rows for key in row))
-    shown = tuple(tuple(_cell(row.get(column)) for column in columns) for row in rows[:MOST_ROWS])
-    return ChangeTable(title.replace("_", " "), columns, shown, len(rows) - len(shown))
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, list | tuple) and len(value) == 3 and all(isinstance(each, float | int) for each in value):
-        return point((float(value[0]), float(value[1]), float(value[2])))
-    if isinstance(value, float):
-        return significant(value, 4)
-    return "–" if value is None else str(value)
+    shown = tuple(tuple(fact_value(column, row.get(column)) for column in columns) for row in rows[:MOST_ROWS])
+    return ChangeTable(title.replace("_", " "), tuple(map(heading, columns)), shown, len(rows) - len(shown))

@@ -6,11 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+from core.reports.citations import CITATION, NUMBER
 from core.reports.figures.figure import Figure
 from core.schema.report import StepReport
-
-_CITATION = re.compile(r"\[(\d+)\]")
-_NUMBER = re.compile(r"^\[\d+\]\s*")
 
 
 def figures_of_step(step: str, figures: Sequence[Figure]) -> tuple[Figure, ...]:
@@ -28,7 +26,7 @@ def joined_methods(steps: Sequence[StepReport]) -> tuple[str, tuple[str, ...]]:
     for step in steps:
         if not step.methods or step.outcome in ("not_needed", "not_reached"):
             continue
-        works = [_NUMBER.sub("", reference) for reference in step.references]
+        works = [NUMBER.sub("", reference) for reference in step.references]
         numbers = [order.setdefault(work, len(order) + 1) for work in works]
         texts.append(_renumbered(step.methods, numbers))
     return " ".join(texts), tuple(f"[{number}] {work}" for work, number in order.items())
@@ -39,4 +37,4 @@ def _renumbered(text: str, numbers: Sequence[int]) -> str:
         own = int(found[1])
         return f"[{numbers[own - 1]}]" if 1 <= own <= len(numbers) else found[0]
 
-    return _CITATION.sub(entry, text)
+    return CITATION.sub(entry, text)

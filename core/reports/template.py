@@ -7,6 +7,7 @@ from functools import cache
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from core.reports import wording
+from core.reports.citations import in_order_of_citation
 
 
 def template(name: str) -> Template:
@@ -39,6 +40,11 @@ def _environment() -> Environment:
         "outcome",
         "quantity",
         "spot",
+        "distance",
+        "depth",
+        "title_of",
+        "sentence",
     ):
         environment.filters[word] = getattr(wording, word)
+    environment.filters["cited"] = in_order_of_citation
     return environment

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from core.schema.report import PairReport, Relation, StepOutcome
@@ -12,6 +13,7 @@ MM3_PER_CM3 = 1e3
 NOT_KNOWN = "–"
 THIN_SPACE = "\u202f"
 MOST_NUMBERS = 12
+NOTHING_MM = 1e-6  # the last digit of coordinates of a body in single precision is larger
 
 _RELATIONS: dict[Relation, str] = {
     "a_inside_b": "{a} lies inside {b}",
@@ -44,6 +46,16 @@ def significant(value: float | None, digits: int = 3) -> str:
     return f"{value:.{digits - 1}e}".replace("-", "−")
 
 
+def distance(mm: float | None) -> str:
+    """`0.346 mm`; what is rounding alone is `0 mm`."""
+    return NOT_KNOWN if mm is None else f"{significant(mm if abs(mm) >= NOTHING_MM else 0.0)} mm"
+
+
+def depth(mm: float | None) -> str:
+    """`1.000`: three digits after the point in every row of a column."""
+    return NOT_KNOWN if mm is None else f"{mm:.3f}".replace("-", "−")
+
+
 def area(mm2: float | None) -> str:
     """In cm², for a body in m²."""
     if mm2 is None:
@@ -69,10 +81,10 @@ def percent(share: float | None) -> str:
 
 
 def drift(share: float | None) -> str:
-    """`+0.12 %`, `−1.3 %`; three digits, because a small change of a volume is what one looks for."""
+    """`+0.12 %`, `−1.3 %`; two digits, because a small change of a volume is what one looks for."""
     if share is None:
         return NOT_KNOWN
-    text = f"{100 * share:+.3g} %" if abs(share) >= 1e-9 else "0 %"
+    text = f"{100 * share:+.2g} %" if abs(share) >= 1e-6 else "0 %"
     return text.replace("-", "−")
 
 
@@ -102,6 +114,19 @@ def relation(pair: PairReport) -> str:
     return _RELATIONS[pair.relation].format(a=pair.a, b=pair.b)
 
 
+def title_of(code: str) -> str:
+    """`shells.depth_missed` -> `Shells: depth missed`."""
+    noun, _, reason = code.replace("_", " ").partition(".")
+    return f"{noun[:1].upper()}{noun[1:]}: {reason}" if reason else noun
+
+
+def sentence(text: str, names: Collection[str] = ()) -> str:
+    """As the first words of a page: with a capital unless a name begins it, without the marks of code."""
+    plain = text.replace("`", "")
+    first = plain.split(" ", 1)[0]
+    return plain if first in names or first.endswith(":") else plain[:1].upper() + plain[1:]
+
+
 def outcome(step: StepOutcome) -> str:
     """What became of a step."""
     return _OUTCOMES[step]
@@ -109,13 +134,15 @@ def outcome(step: StepOutcome) -> str:
 
 def quantity(value: float | int | str) -> str:
     """A number of a step: counts whole, the rest with four digits, words as they are."""
+    if isinstance(value, bool):
+        return yes_no(value)
     if isinstance(value, float):
         return significant(value, 4)
     return whole(value) if isinstance(value, int) else value
 
 
 def flattened(parameters: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Nested parameters as rows: `layers[0].depth_mm` -> `1.0`."""
+    """Nested parameters as rows: `layers[0].depth_mm` -> `1`."""
     rows: list[tuple[str, str]] = []
     for key, value in parameters.items():
         rows += _flattened_value(f"{prefix}{key}", value)
@@ -128,5 +155,14 @@ def _flattened_value(path: str, value: Any) -> list[tuple[str, str]]:
     if isinstance(value, list | tuple) and any(isinstance(item, dict | list | tuple) for item in value):
         return [row for index, item in enumerate(value) for row in _flattened_value(f"{path}[{index}]", item)]
     if isinstance(value, list | tuple):
-        return [(path, ", ".join(map(str, value)) or NOT_KNOWN)]
-    return [(path, NOT_KNOWN if value is None or value == {} else str(value))]
+        return [(path, ", ".join(map(_parameter, value)) or NOT_KNOWN)]
+    return [(path, _parameter(value))]
+
+
+def _parameter(value: Any) -> str:
+    """As it was asked for: every digit, and `1` for 1.0."""
+    if value is None or value == {}:
+        return NOT_KNOWN
+    if isinstance(value, bool):
+        return yes_no(value)
+    return f"{value:.15g}".replace("-", "−") if isinstance(value, float) else str(value)

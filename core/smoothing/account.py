@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mesh import Mesh
+from core.schema.counted import counted
 from core.schema.finding import Finding, Severity
 from core.schema.smooth import SmoothInputs
 from core.smoothing.journey import Journey
@@ -29,11 +30,12 @@ def describe(
     moved = (mesh.vertices != original.vertices).any(axis=1)
     change = volume_change(journey)
     message = (
-        f"{inputs.method}: {int(moved.sum())} of {len(moved)} vertices moved in {journey.delivered} iteration(s), lowest quality "
-        f"{before.lowest_quality:.4g} -> {after.lowest_quality:.4g}, mean {before.mean_quality:.4g} -> {after.mean_quality:.4g}"
+        f"{inputs.method}: {int(moved.sum())} of {len(moved)} vertices moved in {counted(journey.delivered, 'iteration')}, "
+        f"lowest quality {before.lowest_quality:.4g} -> {after.lowest_quality:.4g}, "
+        f"mean {before.mean_quality:.4g} -> {after.mean_quality:.4g}"
     )
     if change is not None:
-        message += f", volume {change:+.3%}"
+        message += f", volume {100 * change:+.3f} %"
     return {
         "kind": "smoothing",
         "message": message,
@@ -68,7 +70,7 @@ def find_findings(name: str, mesh: Mesh, journey: Journey) -> tuple[Finding, ...
             Finding(
                 code="smooth.no_gain",
                 severity=Severity.INFO,
-                message=f"{name} is as it was: in {last.iteration} iteration(s) its lowest quality "
+                message=f"{name} is as it was: in {counted(last.iteration, 'iteration')} its lowest quality "
                 f"{journey.progress[0].lowest_quality:.4g} did not rise",
                 count=1,
                 places=vertex_places(name, mesh, journey.state.chosen[:1]),

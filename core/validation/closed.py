@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.geometry.components import label_connected
+from core.schema.counted import counted
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.validation.places import point_of
 from core.validation.surface import Surface
@@ -32,5 +33,5 @@ def check_closed(surface: Surface) -> list[Finding]:
                 vertices=tuple(int(vertex) for vertex in vertices[:MAX_PLACES]),
             )
         )
-    message = f"{surface.name} is not closed: {len(ends)} edges have only one face, around {holes} hole(s)"
+    message = f"{surface.name} is not closed: {len(ends)} edges have only one face, around {counted(holes, 'hole')}"
     return [Finding(code="mesh.not_closed", severity=Severity.ERROR, message=message, count=len(ends), places=tuple(places))]

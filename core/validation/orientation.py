@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.geometry.orientation import find_faces_to_flip
+from core.schema.counted import counted
 from core.schema.finding import MAX_PLACES, Finding, Severity
 from core.validation.places import cluster_place, edge_places
 from core.validation.surface import Surface
@@ -17,7 +18,7 @@ def check_orientation(surface: Surface) -> list[Finding]:
         return []
     turned = find_faces_to_flip(surface.edges)
     remedy = (
-        "the surface is one-sided and cannot be oriented" if turned is None else f"flipping {len(turned)} faces would mend it"
+        "the surface is one-sided and cannot be oriented" if turned is None else f"flipping {counted(len(turned), 'face')} would mend it"
     )
     message = f"{surface.name} is not oriented consistently: at {len(edge)} edges the two faces look opposite ways; {remedy}"
     faces = surface.face_number[pairs].tolist()
@@ -31,7 +32,8 @@ def check_outward(surface: Surface) -> list[Finding]:
     if wrong is None or len(wrong) == 0:
         return []
     cavities = int((surface.component_depths[wrong] % 2).sum())
-    message = f"{surface.name} is inside out: the faces of {len(wrong)} of {surface.component_count} piece(s) look the wrong way"
+    pieces = counted(surface.component_count, "piece")
+    message = f"{surface.name} is inside out: the faces of {len(wrong)} of {pieces} look the wrong way"
     if cavities:
         message += f"; {cavities} of them are cavities, whose faces have to look into the hollow"
     places = tuple(

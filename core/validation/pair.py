@@ -10,6 +10,7 @@ from core.geometry.containment import is_inside
 from core.geometry.distance import Gap, closest_points_in, smallest_gap_between
 from core.geometry.exact_intersection import Pairs
 from core.geometry.intersection_case import classify_intersections
+from core.schema.counted import counted
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.schema.report import PairReport, Relation
 from core.validation.measure import significant
@@ -122,7 +123,7 @@ def _crossing(pair: Pair) -> Finding:
         places.append(cluster_place(pair.b.name, pair.b.mesh, faces[faces >= faces_of_a] - faces_of_a))
     case_1, case_2, case_3 = pair.cases
     message = (
-        f"{pair.a.name} and {pair.b.name} intersect: {len(pair.crossing)} pairs of faces in {len(clusters)} place(s) "
+        f"{pair.a.name} and {pair.b.name} intersect: {len(pair.crossing)} pairs of faces in {counted(len(clusters), 'place')} "
         f"(case 1: {case_1}, case 2: {case_2}, case 3: {case_3})"
     )
     return Finding(

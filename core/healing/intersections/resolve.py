@@ -21,6 +21,7 @@ from core.healing.intersections.unfold import unfold
 from core.healing.intersections.unite import unite
 from core.mesh import Faces, Mesh, Vertices
 from core.run import SILENT, RunContext
+from core.schema.counted import counted
 from core.validation.self_intersection import check_self_intersection
 from core.validation.surface import Surface
 
@@ -120,5 +121,5 @@ def _refusal(vertices: Vertices, faces: Faces, pairs: Ints) -> InputError:
     used, corners = np.unique(faces, return_inverse=True)
     findings = tuple(check_self_intersection(Surface(NAME, Mesh.of(vertices[used], corners.reshape(-1, 3)), pairs)))
     places = len(find_clusters(faces, len(vertices), pairs))
-    message = f"{len(pairs)} pairs of faces in {places} place(s) still intersect after {ROUNDS} rounds of smoothing and uniting"
+    message = f"{len(pairs)} pairs of faces in {counted(places, 'place')} still intersect after {ROUNDS} rounds of mending"
     return InputError("heal.intersections_remain", message, findings=findings, count=len(pairs), places=places)

@@ -21,6 +21,8 @@ from core.reports.palette import Colour, lightened
 Floats = NDArray[np.float64]
 WIDTH_IN, HEIGHT_IN, LEGEND_IN = 8.4, 5.5, 0.24
 RADIUS_PX = 13.0
+NUMBER_PX = 16.0  # width of a number beside a circle
+CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))  # where the number of a circle stands, by kind: those of two kinds often coincide
 SLACK_MM = 10.0  # a place on an inner shell or in a fold counts as visible through this much
 
 
@@ -54,7 +56,7 @@ def draw_circled(
             seen.append([raster.sees(mark.points, SLACK_MM) for mark in marks])
         for number, mark in enumerate(marks):
             for circle in _circles(mark, panels, np.array([visible[number] for visible in seen])):
-                _draw_circle(figure, circle, mark.colour, below_px)
+                _draw_circle(figure, circle, mark.colour, below_px, CORNERS[number % len(CORNERS)])
         if marks:
             figure.legend(
                 handles=[_handle(mark) for mark in marks], loc="lower left", bbox_to_anchor=(0.02, 0.0), borderaxespad=0.2
@@ -108,7 +110,7 @@ def _overlap(first: Floats, second: Floats) -> bool:
     return float(np.linalg.norm(one - other)) < radius + other_radius
 
 
-def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int) -> None:
+def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int, corner: tuple[int, int]) -> None:
     left, bottom, _, _ = circle.panel.place
     x, y = left + float(circle.centre[0]), bottom + below_px + float(circle.centre[1])
     style = "--" if circle.hidden else "-"
@@ -116,8 +118,12 @@ def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int) -> 
     figure.add_artist(ring)
     if circle.count > 1:
         width_px, height_px = figure.get_size_inches() * figure.dpi
-        at = ((x + 0.75 * circle.radius_px) / width_px, (y + 0.75 * circle.radius_px) / height_px)
-        figure.text(*at, str(circle.count), color=colour, fontsize=6.5, ha="left", va="bottom")
+        across, up = corner
+        if not 0 < x + across * (circle.radius_px + NUMBER_PX) < width_px:
+            across = -across
+        at = ((x + across * 0.75 * circle.radius_px) / width_px, (y + up * 0.75 * circle.radius_px) / height_px)
+        beside, above = "left" if across > 0 else "right", "bottom" if up > 0 else "top"
+        figure.text(*at, str(circle.count), color=colour, fontsize=6.5, ha=beside, va=above)
 
 
 def _handle(mark: Mark) -> Line2D:

@@ -72,8 +72,10 @@ def draw_shell_figures(
     figures += [draw_thickness_map(name, meshes[name], measured[name], target, frame) for name, target in targets.items()]
     figures.append(draw_thickness_histogram(meshes, measured, targets, colours) if measured else None)
     figures += [draw_marked_areas(name, meshes[name], frame, colours[name], marked, findings) for name, marked in areas.items()]
-    if any(finding.places for finding in findings):
-        figures.append(draw_surface_views(outermost, frame, colours[tissues[0].name], findings))
+    painted = {area.code for marked in areas.values() for area in marked}
+    others = [finding for finding in findings if finding.places and finding.code not in painted]
+    if others:
+        figures.append(draw_surface_views(outermost, frame, colours[tissues[0].name], others))
     figures += [draw_gap_places(pairs, meshes, colours), draw_quality_histogram(meshes, colours)]
     return tuple(figure for figure in figures if figure is not None)
 

@@ -109,6 +109,8 @@ def _draw_panel(
     whole = Plot(figure, box, level.low, level.high)
     draw_contours(whole, panel.contours, colours, 0.7)
     draw_axes(whole, level.plane, absolute=level.absolute)
+    if not level.absolute:
+        whole.label_x("across the hand [mm]")
     draw_scale_bar(whole)
     whole.title(f"{level.title}, seen {level.seen_from}")
     if panel.zoom is not None:

@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 MOST_PLACES = 3
 WINDOW_GAPS = 40.0
 SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM = 2.0, 40.0
+FEW_NAMES, NARROWEST_IN = 2, 4.4  # two names of a legend lie beside each other on a sheet that narrow
 WIDTH_IN, LEFT_IN, GUTTER_IN, TITLE_IN, TICKS_IN = 8.4, 0.45, 0.45, 0.42, 0.28
 
 
@@ -40,11 +41,12 @@ def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], col
     if not shown:
         return None
     panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
+    width_in = WIDTH_IN if len(colours) > FEW_NAMES else max(NARROWEST_IN, LEFT_IN + len(shown) * (panel_in + GUTTER_IN))
     total_in = legend_height_in(len(colours)) + TITLE_IN + panel_in + TICKS_IN
-    with sheet(WIDTH_IN, total_in) as figure:
+    with sheet(width_in, total_in) as figure:
         for number, pair in enumerate(shown):
             left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
-            box = (left_in / WIDTH_IN, TICKS_IN / total_in, panel_in / WIDTH_IN, panel_in / total_in)
+            box = (left_in / width_in, TICKS_IN / total_in, panel_in / width_in, panel_in / total_in)
             _draw_place(figure, box, pair, meshes, colours)
         draw_legend(figure, colours)
         png = to_png(figure)

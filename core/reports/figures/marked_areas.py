@@ -47,7 +47,7 @@ def draw_marked_areas(
         alike = [finding for finding in findings if finding.code == area.code and _is_on(finding, name)]
         points = [place.point_mm for finding in alike for place in finding.places]
         count = sum(finding.count for finding in alike)
-        marks.append(Mark(area.code, as_hex(area.colour), count, np.array(points, dtype=np.float64).reshape(-1, 3)))
+        marks.append(Mark(area.words, as_hex(area.colour), count, np.array(points, dtype=np.float64).reshape(-1, 3)))
         share = 100 * float(sizes[faces].sum() / sizes.sum())
         words.append(f"{area.words}: {count} place{'' if count == 1 else 's'}, {share:.2g} % of the area with the faces around")
     if not marks:

@@ -11,6 +11,7 @@ from core.mesh import Mesh
 from core.reports.figures.circled_views import Mark, draw_circled
 from core.reports.figures.figure import Figure
 from core.reports.palette import Colour
+from core.reports.wording import title_of
 from core.schema.finding import Finding, Severity
 
 SEVERITY_COLOURS: dict[Severity, str] = {Severity.ERROR: "#c8102e", Severity.WARNING: "#b86e00", Severity.INFO: "#1f6fb2"}
@@ -36,7 +37,7 @@ def _marks(findings: Sequence[Finding]) -> list[Mark]:
         by_code.setdefault((finding.code, finding.severity), []).append(finding)
     return [
         Mark(
-            f"{severity}: {code}",
+            f"{severity}: {title_of(code)}",
             SEVERITY_COLOURS[severity],
             sum(finding.count for finding in alike),
             np.array([place.point_mm for finding in alike for place in finding.places], dtype=np.float64),

@@ -38,7 +38,7 @@ def draw_thickness_histogram(
             plot.band((1 - BAND) * target, (1 + BAND) * target, as_hex(lightened((0, 128, 90), 0.8)))
             plot.bars(edges, counts, as_hex(colours[name]))
             plot.upright(target, INK, 1.0)
-            plot.words(target, 1.0, f"target {target:.4g} mm", (4, -2), ha="left", va="top", fontsize=8.0)
+            plot.words(target, 1.0, f"target {target:.4g} mm", (0, 2), ha="center", va="bottom", fontsize=8.0)
             plot.rim()
             plot.ticks_y([1e-4, 1e-3, 1e-2, 1e-1, 1.0], lambda share: f"{100 * share:g} %", grid=True)
             plot.ticks_x(round_values(0.0, float(edges[-1]), 10), lambda depth: f"{depth:g}")

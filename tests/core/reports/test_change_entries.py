@@ -14,9 +14,9 @@ def test_a_sentence_numbers_and_a_table() -> None:
     }
     (entry,) = change_entries([change])
     assert (entry.mesh, entry.words) == ("skin", "2 holes filled")
-    assert entry.facts == (("count", "2"), ("limits.rim_mm", "5.0"))
+    assert entry.facts == (("count", "2"), ("limits, rim", "5 mm"))
     (table,) = entry.tables
-    assert table.columns == ("point_mm", "distance_mm", "note")
+    assert table.columns == ("point [mm]", "distance [mm]", "note")
     assert table.rows == (("(1.0, −2.0, 3.0)", "0.1235", "–"), ("(0.0, 0.0, 0.0)", "–", "–"))
     assert table.more == 0
 

@@ -119,7 +119,7 @@ def test_the_summary_answers_first():
     for words in ("Depth of the layers", "fat lies inside skin", "nodal movement", "doi:10.1000/1", "layers[0].depth_mm"):
         assert words in page.text
     assert "integument-server 0.1.0" in page.text
-    assert "largest_shift_mm" in page.text
+    assert "largest shift: 1.000e−06 mm" in page.text
 
 
 def test_figures_are_embedded_with_captions_and_sizes():

@@ -47,7 +47,7 @@ def test_parameters_are_flattened_to_paths():
     parameters = {"layers": [{"name": "fat", "depth_mm": 1.0}], "box": {"min": [0, 1, 2]}, "regions": [], "note": None}
     assert wording.flattened(parameters) == [
         ("layers[0].name", "fat"),
-        ("layers[0].depth_mm", "1.0"),
+        ("layers[0].depth_mm", "1"),
         ("box.min", "0, 1, 2"),
         ("regions", "–"),
         ("note", "–"),
@@ -63,3 +63,24 @@ def test_every_relation_has_words():
     }
     assert len(words) == 5
     assert "A lies inside B" in words
+
+
+@pytest.mark.parametrize(("mm", "words"), [(None, "–"), (1.3e-13, "0 mm"), (0.34567, "0.346 mm"), (-2.0, "−2 mm")])
+def test_lengths_that_are_rounding_are_nothing(mm, words):
+    assert wording.distance(mm) == words
+
+
+def test_depths_of_a_column_have_as_many_digits():
+    assert [wording.depth(mm) for mm in (1.0, 0.0766, None)] == ["1.000", "0.077", "–"]
+
+
+@pytest.mark.parametrize(("share", "words"), [(0.0123, "+1.2 %"), (-3.06e-6, "−0.00031 %"), (9e-10, "0 %"), (None, "–")])
+def test_drift_of_rounding_is_nothing(share, words):
+    assert wording.drift(share) == words
+
+
+def test_codes_and_first_words_are_made_readable():
+    assert wording.title_of("shells.depth_missed") == "Shells: depth missed"
+    assert wording.sentence("at 5 faces `min_gap_mm` is not kept") == "At 5 faces min_gap_mm is not kept"
+    assert wording.sentence("left_ear: 3 faces") == "left_ear: 3 faces"
+    assert wording.sentence("skin is open", ["skin"]) == "skin is open"
