@@ -1,13 +1,13 @@
-"""Requests that are refused because they took down their workers, until an operator releases them."""
+"""Requests that are refused because they took down their workers, until an operator releases them or they are old."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import bindparam, select
+from sqlalchemy import bindparam, delete, select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -79,6 +79,13 @@ class Parked:
             row = _row(session, job_id)
             session.delete(row)
             return _request(row)
+
+    def sweep(self, days: float) -> int:
+        """Forget those parked longer ago: whoever asks again may try; returns how many."""
+        with self._db.session() as session:
+            before = self._db.now(session) - timedelta(days=days)
+            gone = session.scalars(delete(ParkedRow).where(ParkedRow.parked_at < before).returning(ParkedRow.job_id))
+            return len(gone.all())
 
 
 def _row(session: Session, job_id: str) -> ParkedRow:

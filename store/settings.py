@@ -157,6 +157,9 @@ class Settings(BaseSettings):
     job_cpu_s: Seconds = Field(3600.0, description="CPU time of one attempt")
     job_wall_s: Seconds = Field(3600.0, description="Wall time of one attempt")
     job_file_bytes: Size = Field(ByteSize(8 * GIB), description="Largest file a job may write")
+    preview_bytes: ByteSize = Field(
+        ByteSize(GIB // 2), ge=0, description="Coarser meshes for the eye that one API host keeps, those looked at last; 0: none"
+    )
     require_confinement: bool = Field(
         False,
         description="`true`: API and worker refuse to start, and children to work, where the kernel cannot lock a child in "
@@ -224,6 +227,9 @@ class Settings(BaseSettings):
         ge=0,
         description="With less free on the disk of the data folder, the API refuses new work by `storage.low` and a worker takes "
         "no job",
+    )
+    parked_days: float = Field(
+        365.0, gt=0, allow_inf_nan=False, description="How long a parked request is refused; then it may be tried again"
     )
     audit_days: float = Field(365.0, gt=0, allow_inf_nan=False, description="How long the audit log is kept")
     idempotency_hours: float = Field(24.0, gt=0, allow_inf_nan=False, description="How long an Idempotency-Key is remembered")

@@ -1,4 +1,4 @@
-"""Rows nobody asks for any more: uploads that were given up, old idempotency keys, old entries of the audit log."""
+"""Rows nobody asks for any more: uploads that were given up, and what is old of idempotency keys, audit log, parked requests."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from sqlalchemy import func, select
 from store.audit import Audit
 from store.database import Database
 from store.idempotency import IdempotencyKeys
-from store.records import AuditRow, IdempotencyRow, UploadRow
+from store.parked import Parked
+from store.records import AuditRow, IdempotencyRow, ParkedRow, UploadRow
 from store.settings import Settings
 from store.uploads import Uploads
 
@@ -29,6 +30,7 @@ class StaleRows:
                 "uploads": UploadRow.expires_at < now,
                 "idempotency_keys": IdempotencyRow.created_at < now - timedelta(hours=self._settings.idempotency_hours),
                 "audit": AuditRow.at < now - timedelta(days=self._settings.audit_days),
+                "parked": ParkedRow.parked_at < now - timedelta(days=self._settings.parked_days),
             }
             return {table: session.execute(select(func.count()).where(stale)).scalar_one() for table, stale in queries.items()}
 
@@ -38,4 +40,5 @@ class StaleRows:
             "uploads": Uploads(self._db, self._settings.upload_hours).sweep(),
             "idempotency_keys": IdempotencyKeys(self._db, self._settings.idempotency_hours).sweep(),
             "audit": Audit(self._db).sweep(self._settings.audit_days),
+            "parked": Parked(self._db).sweep(self._settings.parked_days),
         }

@@ -140,6 +140,8 @@ class Reconciler:
             logger.info("removed %d unused blobs, %d bytes", len(swept), sum(blob.size for blob in swept))
         if aged := self._workshop.audit.sweep(self._workshop.settings.audit_days):
             logger.info("forgot %d entries of the audit log", aged)
+        if released := self._workshop.parked.sweep(self._workshop.settings.parked_days):
+            logger.info("released %d requests that were parked long ago", released)
         if forgotten := self._workshop.keys.sweep():
             logger.info("forgot %d idempotency keys", forgotten)
         if self._workshop.db.is_sqlite and (given_back := SqliteFile(self._workshop.db).give_back()):

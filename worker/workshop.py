@@ -20,6 +20,7 @@ from store.doorbell import Doorbell
 from store.idempotency import IdempotencyKeys
 from store.jobs import Jobs
 from store.open_blobs import open_blobs
+from store.parked import Parked
 from store.references import References
 from store.retention import Retention
 from store.retention_policy import RetentionPolicies, RetentionPolicy
@@ -43,6 +44,7 @@ class Workshop:
     references: References
     keys: IdempotencyKeys
     audit: Audit
+    parked: Parked
     retention: Retention
     doorbell: Doorbell
     nursery: Nursery
@@ -66,6 +68,7 @@ class Workshop:
             blobs=open_blobs(settings, db),
             references=References(db),
             audit=Audit(db),
+            parked=Parked(db),
             retention=Retention(db, RetentionPolicies(db, RetentionPolicy.of(settings))),
             keys=IdempotencyKeys(db, settings.idempotency_hours),
             doorbell=Doorbell(settings.broker_url, settings.queue),

@@ -14,6 +14,8 @@ from benchmarks.load.memory import Memory
 from benchmarks.load.size import Size
 from benchmarks.load.stand import Stand, cpu_s_of
 
+OPEN_S = 20.0  # less than a lease: the workers are at rest meanwhile
+
 
 async def listen(stand: Stand, size: Size) -> Part:
     """The jobs wait while the streams are opened and counted silent; then they run, and each listener hears its job end."""
@@ -27,7 +29,7 @@ async def listen(stand: Stand, size: Size) -> Part:
                 listeners = [
                     asyncio.create_task(_hear(client, jobs[number % len(jobs)], late_s)) for number in range(size.listeners)
                 ]
-                await asyncio.sleep(1.0)
+                await _all_opened(late_s, size.listeners)
                 before = cpu_s_of(stand.api)
                 await asyncio.sleep(size.silence_s)
                 silent = (cpu_s_of(stand.api) - before) / size.silence_s
@@ -45,6 +47,13 @@ async def listen(stand: Stand, size: Size) -> Part:
         tuple(client.errors),
         memory.series,
     )
+
+
+async def _all_opened(told: list[float], listeners: int) -> None:
+    """Until every stream has told that its job was accepted, or it is clear that one never will: an error says so then."""
+    deadline = time.monotonic() + OPEN_S
+    while len(told) < listeners and time.monotonic() < deadline:
+        await asyncio.sleep(0.1)
 
 
 async def _hear(client: Client, job: str, late_s: list[float]) -> bool:

@@ -26,7 +26,6 @@ from store.job import Job, JobFailure, JobOutput, MeshInput
 from store.local_blobs import LocalBlobs
 from store.meshes import Meshes, MeshUpload
 from store.metrics import Metrics
-from store.parked import Parked
 from store.settings import Settings
 from store.sqlite_file import SqliteFile
 from store.uploads import Uploads
@@ -81,6 +80,7 @@ def short_memory(data_dir: Path, database_url: str, broker_url: str) -> Settings
         keep_events_days=HOUR_DAYS,
         checkpoint_days=HOUR_DAYS,
         audit_days=3 * HOUR_DAYS,
+        parked_days=3 * HOUR_DAYS,
         idempotency_hours=2,
         upload_hours=1,
     )
@@ -99,7 +99,6 @@ class LabDay:
         self._meshes = Meshes(self._shop.db, self._shop.blobs)
         self._uploads = Uploads(self._shop.db, settings.upload_hours)
         self._workers = Workers(self._shop.db, settings)
-        self._parked = Parked(self._shop.db)
         self._metrics = Metrics(self._shop.db)
         self._reconciler = Reconciler(self._shop, Liveness(settings))
         self._serial = 0
@@ -114,8 +113,6 @@ class LabDay:
                 self._age_files()
                 self._sweep()
             self._hear_bells()
-            for request in self._parked.list():  # they stay until an operator has looked at them
-                self._parked.release(request.job_id)
             yield self._take_stock(hour)
 
     def close(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 
 import pytest
+from sqlalchemy import update
 
 from core.errors import InputError, InternalError, StateError
 from store.database import Database
@@ -13,6 +14,9 @@ from store.jobs import Jobs
 from store.lost_attempt import LastWords
 from store.parked import Parked
 from store.quotas import Quotas
+from store.records import ParkedRow
+from store.settings import Settings
+from store.stale_rows import StaleRows
 from store.workspace import DEFAULT_WORKSPACE, WorkspaceId
 from store.workspaces import Workspaces
 
@@ -84,6 +88,21 @@ def test_two_losses_park_the_request_with_its_evidence(jobs: Jobs, db: Database,
     assert refusal(db, other) is None
     Workspaces(db).create("other")
     assert refusal(db, jobs.create(WorkspaceId("other"), "shells", {"depth": 1})) is None
+
+
+def test_what_was_parked_long_ago_may_be_tried_again(jobs: Jobs, db: Database, parked: Parked, settings: Settings) -> None:
+    job = jobs.create(DEFAULT_WORKSPACE, "shells", {}, max_attempts=1)
+    claim(jobs, job, 1)
+    lose(jobs)
+    stale = StaleRows(db, settings.model_copy(update={"parked_days": 30.0}))
+    assert (stale.count()["parked"], parked.sweep(30)) == (0, 0)
+    assert refusal(db, job) is not None
+    with db.session() as session:
+        session.execute(update(ParkedRow).values(parked_at=db.now(session) - timedelta(days=31)))
+    assert stale.count()["parked"] == 1
+    assert stale.sweep()["parked"] == 1
+    assert parked.list() == []
+    assert refusal(db, job) is None
 
 
 def test_evidence_outlives_the_job_and_ends_with_the_release(jobs: Jobs, db: Database, parked: Parked) -> None:
