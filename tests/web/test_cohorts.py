@@ -64,8 +64,10 @@ def test_a_cohort_is_chosen_watched_and_taken_back(api: Live, browser: Browser) 
     with visit(browser, api.url) as seen:
         seen.page.goto("/#/cohorts")
         expect(seen.page.get_by_text("No cohorts yet")).to_be_visible()
-        seen.page.get_by_label("Name").fill("Pilot")
-        seen.page.get_by_label("Process").select_option("validate")
+        seen.page.get_by_label("Name", exact=True).fill("Pilot")
+        seen.page.get_by_label("Process", exact=True).select_option("validate")
+        seen.page.get_by_label("Min gap (mm)").fill("0.2")
+        seen.page.get_by_text("Meshes of the server").first.click()
         for name in ("Anna", HOSTILE):
             seen.page.get_by_label(name).check()
         assert seen.barriers() == []
@@ -80,4 +82,26 @@ def test_a_cohort_is_chosen_watched_and_taken_back(api: Live, browser: Browser) 
         seen.page.goto("/#/cohorts")
         expect(seen.page.get_by_role("link", name="Pilot")).to_be_visible()
     [cohort] = api.services.cohorts.list(DEFAULT_WORKSPACE).items
+    assert cohort.inputs == {"min_gap_mm": 0.2}
     assert {job.subject for job in api.services.cohorts.jobs(DEFAULT_WORKSPACE, cohort.id)} == {"Anna", HOSTILE}
+
+
+def test_files_are_sent_and_those_that_are_no_mesh_are_left_out(api: Live, browser: Browser) -> None:
+    good = binary_stl()
+    files = [("Bert.stl", good), (f"{HOSTILE.replace('/', '')}.stl", b"no mesh"), ("Carla.stl", good)]
+    with visit(browser, api.url) as seen:
+        seen.page.goto("/#/cohorts")
+        seen.page.get_by_label("Files to upload").set_input_files(
+            [{"name": name, "mimeType": "model/stl", "buffer": content} for name, content in files]
+        )
+        expect(seen.page.get_by_text("Say the unit of the files.")).to_be_visible()
+        seen.page.get_by_label("Unit of the coordinates in the files").select_option("mm")
+        expect(seen.page.get_by_text("Left out: ")).to_be_visible()
+        expect(seen.page.get_by_text("2 subjects.")).to_be_visible()
+        assert seen.barriers() == []
+        seen.picture("cohort-files")
+        seen.page.get_by_role("button", name="Start the cohort").click()
+        expect(seen.page.get_by_role("link", name="Carla")).to_be_visible()
+        assert seen.page.locator("img[src='x']").count() == 0
+    cohort = api.services.cohorts.list(DEFAULT_WORKSPACE).items[0]
+    assert [job.subject for job in api.services.cohorts.jobs(DEFAULT_WORKSPACE, cohort.id)] == ["Bert", "Carla"]

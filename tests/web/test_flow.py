@@ -36,7 +36,6 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         seen.picture("2-upload")
         page.get_by_role("button", name="Use this mesh").click()
         expect(page.get_by_text(f"{len(mesh.faces):,} faces")).to_be_visible()
-        page.get_by_role("button", name="Quick check").click()
         expect(page.get_by_text("✓ ready")).to_be_visible(timeout=JOB_MS)
         seen.drawn()
         seen.picture("3-checked")

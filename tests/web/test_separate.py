@@ -1,4 +1,4 @@
-"""The form of `separate`: surfaces by name, who may not move, who has priority, all as typed."""
+"""The form of `separate`: surfaces by name, who may not move, who has priority, who holds whom, and what the job is called."""
 
 from __future__ import annotations
 
@@ -24,18 +24,24 @@ def test_who_moves_is_sent_as_typed(tmp_path: Path, shared_valkey: ValkeyServer)
         page.goto("/#/new?process=separate")
         for name in ("grey", "white"):
             page.get_by_label(f"{name} (128 faces)").check()
-        page.get_by_label("Fixed").fill('["grey"]')
-        page.get_by_label("Priority").fill('{"grey": 1}')
-        page.get_by_label("Inside").fill('{"white": "grey"}')
+        page.get_by_label("Fixed: grey").check()
+        page.get_by_label("Priority: grey").fill("1")
+        page.get_by_label("Inside: white").select_option("grey")
+        page.get_by_label("Inside: grey").select_option("nothing")
         page.get_by_label("Min gap (mm)").fill("0.2")
+        page.get_by_label("Name", exact=True).fill("both sides")
+        page.get_by_label("Labels, separated by commas").fill("pilot, cortex")
+        seen.drawn()
         seen.picture("separate-form")
         assert seen.barriers() == []
         page.get_by_role("button", name="Start the job").click()
         expect(page.get_by_text("Waits for a worker", exact=True)).to_be_visible()
         job = page.url.rpartition("/")[2]
+        told = live.client.get(f"/v1/jobs/{job}").json()
+        assert (told["name"], told["labels"]) == ("both sides", ["pilot", "cortex"])
         asked = live.client.get(f"/v1/jobs/{job}/inputs").json()["inputs"]
         assert set(asked["meshes"]) == {"grey", "white"}
         assert asked["fixed"] == ["grey"]
         assert asked["priority"] == {"grey": 1}
-        assert asked["inside"] == {"white": "grey"}
+        assert asked["inside"] == {"white": "grey", "grey": None}
         assert asked["min_gap_mm"] == 0.2

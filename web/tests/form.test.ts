@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { findBoxes, withRegion } from "../src/form/boxes";
 import { kindOf, labelOf, withoutEmpty } from "../src/form/schema_kind";
 import { freshName } from "../src/form/values";
 import { referencesIn, shownMeshes } from "../src/parts/shown_meshes";
@@ -20,9 +21,11 @@ test.each([
   [{ type: "array", items: { type: "object", properties: { name: {}, mesh: MESH } } }, "tissues"],
   [BOX, "regions"],
   [{ anyOf: [{ type: "string", enum: ["auto"] }, BOX] }, "auto_or_regions"],
-  [{ type: "object", additionalProperties: { type: "number" } }, "depths"],
+  [{ type: "object", additionalProperties: { type: "number" }, description: "Layer -> depth" }, "depths"],
+  [{ type: "object", additionalProperties: { type: "integer" } }, "numbers"],
+  [{ type: "array", items: { type: "string" } }, "chosen_names"],
   [{ type: "object", additionalProperties: { type: "string" } }, "names"],
-  [{ type: "object", additionalProperties: { type: "string", nullable: true } }, "json"],
+  [{ type: "object", additionalProperties: { type: "string", nullable: true } }, "holders"],
   [{ type: "string", enum: ["a", "b"] }, "choice"],
   [{ type: "boolean" }, "flag"],
   [{ type: "integer" }, "number"],
@@ -58,4 +61,27 @@ test("a job that only looked shows what it looked at, one that changed a surface
   expect(shownMeshes({}, inputs)).toEqual({ mesh: `/v1/meshes/${ID}` });
   const made = { mesh: { href: `http://h/v1/jobs/${ID}/results/mesh`, type: "model/stl", title: "mesh.stl" } };
   expect(shownMeshes(made, inputs)).toEqual({ mesh: `/v1/jobs/${ID}/results/mesh`, "mesh before": `/v1/meshes/${ID}` });
+});
+
+test("tissues are called by their names", () => {
+  const href = `/v1/meshes/${ID}`;
+  const tissues = [
+    { name: "gm", mesh: { href } },
+    { name: "wm", mesh: { href } },
+    { name: "csf", mesh: { href: "" } },
+  ];
+  expect(referencesIn({ tissues })).toEqual({ gm: href, wm: href });
+});
+
+test("boxes are found in groups, and changed there alone", () => {
+  const region = { name: "arm", box_mm: { min: [0, 0, 0], max: [1, 1, 1] } };
+  const values = { skin: { href: "x" }, detach: { gap_mm: 1, regions: [region, region] } };
+  const schemas = { detach: { type: "object", properties: { regions: BOX } } } as Parameters<typeof findBoxes>[0];
+  const found = findBoxes(schemas, values);
+  expect(found.map(({ path, at }) => [...path, at])).toEqual([
+    ["detach", "regions", 0],
+    ["detach", "regions", 1],
+  ]);
+  const other = { ...found[1]!.region, name: "leg" };
+  expect(withRegion(values, found[1]!, other)).toEqual({ ...values, detach: { gap_mm: 1, regions: [region, other] } });
 });

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { suggestUnit } from "../src/units";
+import { doubtUnit, suggestUnit } from "../src/units";
 
 test.each([
   [[993, 1666, 423], "mm"],
@@ -15,4 +15,12 @@ test.each([
 test("what is no person's size is not guessed", () => {
   expect(suggestUnit([3, 3, 3])).toBeNull();
   expect(suggestUnit([1e6, 2e6, 1e6])).toBeNull();
+});
+
+test("a unit that makes a giant is doubted, with the one that would fit", () => {
+  expect(doubtUnit(1700, "m")).toBe(
+    "In metres this is 1.70 km long, unlike a person or a part of one. In millimetres it would be 1.70 m.",
+  );
+  expect(doubtUnit(1700, "mm")).toBe("");
+  expect(doubtUnit(0.0001, "mm")).toContain("No unit here");
 });

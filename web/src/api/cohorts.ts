@@ -1,3 +1,5 @@
+import { listJobs } from "./jobs";
+import { type Page, upTo } from "./pages";
 import { ask, askJson, sendJson } from "./server";
 import type { Job, JobStatus, ResultReference } from "./types";
 
@@ -17,19 +19,18 @@ export interface Cohort {
   summaryJob?: string;
 }
 
-export interface CohortPage {
-  cohorts: Cohort[];
-  next?: string;
-}
-
 export interface CohortSettings {
   process: string;
   name?: string;
+  labels?: string[];
   inputs: Record<string, unknown>;
 }
 
-export function listCohorts(signal: AbortSignal): Promise<CohortPage> {
-  return askJson("/v1/cohorts?limit=200", { signal });
+export function listCohorts(count: number, signal: AbortSignal): Promise<Page<Cohort>> {
+  return upTo(count, async (part) => {
+    const { cohorts, next } = await askJson<{ cohorts: Cohort[]; next?: string }>(`/v1/cohorts?${part}`, { signal });
+    return { items: cohorts, next };
+  });
 }
 
 export function getCohort(id: string, signal: AbortSignal): Promise<Cohort> {
@@ -38,8 +39,8 @@ export function getCohort(id: string, signal: AbortSignal): Promise<Cohort> {
 
 /** Of all subjects, in the order of the request. */
 export async function cohortJobs(id: string, signal: AbortSignal): Promise<Job[]> {
-  const { jobs } = await askJson<{ jobs: Job[] }>(`/v1/jobs?cohort=${id}&limit=1000`, { signal });
-  return jobs.reverse();
+  const { items } = await listJobs(Number.MAX_SAFE_INTEGER, { cohort: id }, signal);
+  return items.reverse();
 }
 
 export function createCohort(settings: CohortSettings, meshes: string[]): Promise<Cohort> {

@@ -1,21 +1,27 @@
+import { type Page, upTo } from "./pages";
 import { ask, askJson, sendJson } from "./server";
 import type { Job, Report, ResultReference } from "./types";
 
-export interface JobPage {
-  jobs: Job[];
-  next?: string;
-}
-
-export function execute(process: string, inputs: Record<string, unknown>): Promise<Job> {
-  return sendJson<Job>(`/v1/processes/${process}/execution`, { inputs }, { "Idempotency-Key": crypto.randomUUID() });
+export function execute(
+  process: string,
+  inputs: Record<string, unknown>,
+  words: { name?: string; labels?: string[] } = {},
+): Promise<Job> {
+  const headers = { "Idempotency-Key": crypto.randomUUID() };
+  return sendJson<Job>(`/v1/processes/${process}/execution`, { inputs, ...words }, headers);
 }
 
 export function getJob(id: string, signal?: AbortSignal): Promise<Job> {
   return askJson(`/v1/jobs/${id}`, signal ? { signal } : {});
 }
 
-export function listJobs(query: URLSearchParams, signal?: AbortSignal): Promise<JobPage> {
-  return askJson(`/v1/jobs?${query}`, signal ? { signal } : {});
+/** `wanted`: status, q, label, cohort, processID, as the server takes them; those that are empty do not count. */
+export function listJobs(count: number, wanted: Record<string, string>, signal: AbortSignal): Promise<Page<Job>> {
+  return upTo(count, async (part) => {
+    for (const [key, value] of Object.entries(wanted)) if (value) part.set(key, value);
+    const { jobs, next } = await askJson<{ jobs: Job[]; next?: string }>(`/v1/jobs?${part}`, { signal });
+    return { items: jobs, next };
+  });
 }
 
 /** Another name (null: none) and other labels. */

@@ -1,6 +1,7 @@
 import { SHOWN_FACES } from "../mesh/thin_out";
 import type { ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
+import { type Page, upTo } from "./pages";
 import { ask, askJson } from "./server";
 import type { MeshInfo, Vector } from "./types";
 
@@ -9,13 +10,12 @@ import type { MeshInfo, Vector } from "./types";
 const KEPT = 12;
 const kept = new Map<string, Promise<ReadMesh>>();
 
-export function listMeshes(
-  signal: AbortSignal,
-  limit = 100,
-  search = "",
-): Promise<{ meshes: MeshInfo[]; next?: string }> {
-  const query = new URLSearchParams({ limit: String(limit), ...(search ? { q: search } : {}) });
-  return askJson(`/v1/meshes?${query}`, { signal });
+export function listMeshes(count: number, search: string, signal: AbortSignal): Promise<Page<MeshInfo>> {
+  return upTo(count, async (part) => {
+    if (search) part.set("q", search);
+    const { meshes, next } = await askJson<{ meshes: MeshInfo[]; next?: string }>(`/v1/meshes?${part}`, { signal });
+    return { items: meshes, next };
+  });
 }
 
 export async function deleteMesh(id: string): Promise<void> {
@@ -44,10 +44,14 @@ export function fetchTriangles(href: string): Promise<ReadMesh> {
 }
 
 async function fetchNow(href: string): Promise<ReadMesh> {
-  if (!href.includes("/v1/meshes/")) return readMesh(await (await ask(href)).arrayBuffer(), "stl");
-  const { faces, vertices } = await askJson<MeshInfo>(href);
+  if (!href.includes("/v1/meshes/")) {
+    const reply = await ask(`${href}?most_faces=${SHOWN_FACES}`);
+    const mesh = await readMesh(await reply.arrayBuffer(), "stl");
+    const faces = Number(reply.headers.get("Integument-Faces"));
+    return faces > 0 ? { ...mesh, faces, thinned: true, closed: false } : mesh;
+  }
+  const { faces } = await askJson<MeshInfo>(href);
   const reply = await ask(`${href}/file?format=ply&most_faces=${SHOWN_FACES}`);
   const mesh = await readMesh(await reply.arrayBuffer(), "ply");
-  if (faces === null || vertices === null || faces <= SHOWN_FACES) return mesh;
-  return { ...mesh, faces, vertices, thinned: true, closed: false }; // the server thinned it
+  return faces > SHOWN_FACES ? { ...mesh, faces, thinned: true, closed: false } : mesh; // the server thinned it
 }

@@ -1,10 +1,12 @@
 import type { Job, MeshInfo, Schema } from "../api/types";
 import type { Bounds } from "../mesh/triangles";
 import { AutoRegionsInput } from "./auto_regions_input";
-import { DepthsInput } from "./depths_input";
+import { ChosenNames } from "./chosen_names";
+import { HoldersInput } from "./holders_input";
 import { LayersTable } from "./layers_table";
 import { NamesInput } from "./names_input";
 import { NumberInput } from "./number_input";
+import { NumbersByName } from "./numbers_by_name";
 import {
   type Choice,
   hrefOf,
@@ -18,13 +20,15 @@ import {
 import { RegionsInput } from "./regions_input";
 import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
 import { TissuesTable } from "./tissues_table";
-import { asDepths, asLayers, asRegions, asTissues, type Reference, type Region } from "./values";
+import { asLayers, asNumbers, asRegions, asTissues, LARGEST_DEPTH_MM, type Reference, type Region } from "./values";
 
 /** What controls may need to know besides their own value. */
 export interface FormContext {
   meshes: readonly MeshInfo[];
   jobs: readonly Job[];
   layers: readonly string[];
+  /** Names of the surfaces the job will have, as far as they are known. */
+  surfaces: readonly string[];
   arrays: readonly string[];
   /** Of the volume that was chosen. */
   labels: readonly number[];
@@ -52,7 +56,8 @@ export function Field(props: FieldProps) {
   const kind = kindOf(schema);
   const id = `input-${name}`;
   const title = labelOf(name);
-  const hint = schema.description?.replaceAll("`", "");
+  // patterns are for programs; a name that breaks one is refused in words
+  const hint = schema.description?.replaceAll("`", "").replace(/ Keys match \S+$/, "");
   return (
     <div class="field">
       {kind === "flag" ? (
@@ -159,11 +164,45 @@ function Control({
       );
     case "depths":
       return (
-        <DepthsInput
+        <NumbersByName
           of={labelOf(name)}
-          depths={asDepths(value ?? fallback)}
-          layers={context.layers}
-          onDepths={onValue}
+          values={asNumbers(value ?? fallback)}
+          names={context.layers}
+          min={0}
+          max={LARGEST_DEPTH_MM}
+          onValues={onValue}
+        />
+      );
+    case "numbers": {
+      const each = schema.additionalProperties as Schema;
+      return (
+        <NumbersByName
+          of={labelOf(name)}
+          values={asNumbers(value ?? fallback)}
+          names={context.surfaces}
+          min={each.minimum}
+          max={each.maximum}
+          whole={each.type === "integer"}
+          onValues={(numbers) => onValue(Object.keys(numbers).length > 0 ? numbers : undefined)}
+        />
+      );
+    }
+    case "chosen_names":
+      return (
+        <ChosenNames
+          label={labelOf(name)}
+          names={context.surfaces}
+          chosen={(value ?? []) as string[]}
+          onChosen={(names) => onValue(names.length > 0 ? names : undefined)}
+        />
+      );
+    case "holders":
+      return (
+        <HoldersInput
+          of={labelOf(name)}
+          names={context.surfaces}
+          holders={(value ?? {}) as Record<string, string | null>}
+          onHolders={(holders) => onValue(Object.keys(holders).length > 0 ? holders : undefined)}
         />
       );
     case "names":

@@ -42,8 +42,30 @@ export const PRESETS: readonly Preset[] = [
   {
     title: "Head, 7 shells",
     about:
-      "Seven tissue surfaces you have, thinned to half together: still nested, none nearer to another than 0.05 mm.",
-    process: "decimate",
-    values: { target_ratio: 0.5, min_gap_mm: 0.05 },
+      "Skin, fat, average body, skull, CSF, grey and white matter, from the skin of a head alone: at usual depths below it, thinner where the head is.",
+    process: "shells",
+    values: {
+      layers: [
+        { name: "fat", depth_mm: 1, side: "inside" },
+        { name: "average_body", depth_mm: 3, side: "inside" },
+        { name: "skull", depth_mm: 6, side: "inside" },
+        { name: "csf", depth_mm: 12, side: "inside" },
+        { name: "gm", depth_mm: 15, side: "inside" },
+        { name: "wm", depth_mm: 18, side: "inside" },
+      ],
+    },
+  },
+  {
+    title: "Head, 7 tissues you have",
+    about:
+      "Your own skull, CSF, grey and white matter below fat at 1 mm and average body at 3 mm: set apart where they touch, proven, and filled with tetrahedra.",
+    process: "prepare",
+    values: {
+      layers: [
+        { name: "fat", depth_mm: 1, side: "inside" },
+        { name: "average_body", depth_mm: 3, side: "inside" },
+      ],
+      tissues: ["skull", "csf", "gm", "wm"].map((name) => ({ name, mesh: { href: "" } })),
+    },
   },
 ];

@@ -1,5 +1,5 @@
 import type { Job, MeshInfo } from "../api/types";
-import { sayVoxels } from "../words";
+import { sayCount, sayVoxels, sayWhen } from "../words";
 import type { Reference } from "./values";
 
 /** Choices among what the server holds. Names are text, whatever is in them. */
@@ -10,12 +10,13 @@ export interface Choice {
 }
 
 export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
-  return meshes
-    .filter((mesh) => !mesh.volume)
-    .map((mesh) => ({
-      href: `/v1/meshes/${mesh.id}`,
-      title: `${mesh.name} (${mesh.faces.toLocaleString("en")} faces)`,
-    }));
+  const surfaces = meshes.filter((mesh) => !mesh.volume);
+  const count = new Map<string, number>();
+  for (const { name } of surfaces) count.set(name, (count.get(name) ?? 0) + 1);
+  return surfaces.map((mesh) => ({
+    href: `/v1/meshes/${mesh.id}`,
+    title: `${mesh.name} (${sayCount(mesh.faces)} faces)${count.get(mesh.name)! > 1 ? `, ${sayWhen(mesh.created)}` : ""}`,
+  }));
 }
 
 export function volumeChoices(meshes: readonly MeshInfo[]): Choice[] {
@@ -51,7 +52,7 @@ export function ReferenceInput(props: {
       onChange={(event) => props.onHref(event.currentTarget.value)}
     >
       <option value="">{props.optional ? "None" : "Choose…"}</option>
-      {href && !known && <option value={href}>{href}</option>}
+      {href && !known && <option value={href}>{sayReference(href)}</option>}
       {choices.map((one) => (
         <option key={one.href} value={one.href}>
           {one.title}
@@ -67,9 +68,14 @@ export function ReferencesInput(props: {
   chosen: readonly string[];
   onChosen: (hrefs: string[]) => void;
 }) {
-  const { choices, chosen, onChosen } = props;
+  const { chosen, onChosen } = props;
+  const listed = props.choices.map((one) => one.href);
+  const choices = [
+    ...chosen.filter((href) => !listed.includes(href)).map((href) => ({ href, title: sayReference(href) })),
+    ...props.choices,
+  ];
   return (
-    <fieldset class="stack">
+    <fieldset class="choices">
       <legend class="hidden-label">{props.label}</legend>
       {choices.length === 0 && <p class="muted">Nothing was uploaded yet.</p>}
       {choices.map((one) => (
@@ -86,6 +92,12 @@ export function ReferencesInput(props: {
       ))}
     </fieldset>
   );
+}
+
+/** What is not in the list: an older upload, or what a job made. */
+function sayReference(href: string): string {
+  const [, job, output] = /^\/v1\/jobs\/([0-9a-f]{8})[^/]*\/results\/(.+)$/.exec(href) ?? [];
+  return job ? `${output} of job ${job}` : `mesh ${href.split("/").pop()!.slice(0, 8)}`;
 }
 
 export function hrefOf(value: unknown): string {

@@ -1,9 +1,9 @@
 import type { Schema } from "../api/types";
 import type { Bounds } from "../mesh/triangles";
-import { DepthsInput } from "./depths_input";
 import { NumberInput } from "./number_input";
+import { NumbersByName } from "./numbers_by_name";
 import { kindOf, labelOf } from "./schema_kind";
-import { asDepths, freshName, type Region } from "./values";
+import { asNumbers, freshName, LARGEST_DEPTH_MM, type Region } from "./values";
 
 const AXES = ["x", "y", "z"] as const;
 
@@ -70,11 +70,13 @@ export function RegionsInput(props: {
           {more.map(([name, one]) =>
             kindOf(one) === "depths" ? (
               <div key={name}>
-                <DepthsInput
-                  of={region.name}
-                  depths={asDepths(region[name])}
-                  layers={layers}
-                  onDepths={(depths) => change(at, { [name]: Object.keys(depths).length ? depths : undefined })}
+                <NumbersByName
+                  of={`${region.name}, depth in mm`}
+                  values={asNumbers(region[name])}
+                  names={layers}
+                  min={0}
+                  max={LARGEST_DEPTH_MM}
+                  onValues={(depths) => change(at, { [name]: Object.keys(depths).length ? depths : undefined })}
                 />
               </div>
             ) : (

@@ -12,7 +12,10 @@ export type Kind =
   | "regions"
   | "auto_or_regions"
   | "depths"
+  | "numbers"
   | "names"
+  | "chosen_names"
+  | "holders"
   | "choice"
   | "flag"
   | "number"
@@ -29,6 +32,7 @@ export function kindOf(schema: Schema): Kind {
     if (items.properties?.box_mm) return "regions";
     if (items.properties?.depth_mm && items.properties.name) return "layers";
     if (items.properties?.mesh && isReference(items.properties.mesh) && items.properties.name) return "tissues";
+    if (items.type === "string" && !items.enum) return "chosen_names";
   }
   const among = schema.anyOf ?? schema.oneOf;
   if (among) {
@@ -43,8 +47,9 @@ export function kindOf(schema: Schema): Kind {
   if (schema.type === "object") {
     const values = typeof schema.additionalProperties === "object" ? schema.additionalProperties : null;
     if (values && isReference(values)) return "named_references";
-    if (values?.type === "number") return "depths";
-    if (values?.type === "string" && !values.nullable) return "names";
+    if (values?.type === "number" && schema.description?.includes("depth")) return "depths";
+    if (values?.type === "number" || values?.type === "integer") return "numbers";
+    if (values?.type === "string") return values.nullable ? "holders" : "names";
     if (schema.properties) return "group";
   }
   return "json";
@@ -70,7 +75,7 @@ export function regionSchema(schema: Schema): Schema | undefined {
 /** `min_gap_mm` -> "Min gap (mm)". */
 export function labelOf(name: string): string {
   const words = name.split("_");
-  const unit = { mm: "mm", deg: "°", s: "s" }[words.at(-1) ?? ""];
+  const unit = { mm: "mm", mm3: "mm³", cm2: "cm²", deg: "°", s: "s" }[words.at(-1) ?? ""];
   if (unit && words.length > 1) words.pop();
   const text = words.join(" ");
   return text.charAt(0).toUpperCase() + text.slice(1) + (unit ? ` (${unit})` : "");

@@ -21,6 +21,8 @@ export interface Tissue {
   conductivity_s_per_m?: number | undefined;
 }
 
+export const LARGEST_DEPTH_MM = 100;
+
 export interface Reference {
   href: string;
 }
@@ -38,7 +40,8 @@ export function asRegions(value: unknown): Region[] {
   return Array.isArray(value) ? (value as Region[]) : [];
 }
 
-export function asDepths(value: unknown): Record<string, number> {
+/** By name: depths of layers, priorities of tissues. */
+export function asNumbers(value: unknown): Record<string, number> {
   return typeof value === "object" && value !== null ? (value as Record<string, number>) : {};
 }
 

@@ -17,7 +17,6 @@ export type Task =
 export interface ReadMesh {
   shown: Triangles;
   faces: number;
-  vertices: number;
   thinned: boolean;
   closed: boolean;
   volume_mm3: number;
@@ -33,7 +32,6 @@ function read(data: ArrayBuffer, format: FileKind): ReadMesh {
   return {
     shown,
     faces: mesh.faces.length / 3,
-    vertices: mesh.positions.length / 3,
     thinned: shown !== mesh,
     closed: shown === mesh && isClosed(mesh),
     volume_mm3: volumeOf(mesh),

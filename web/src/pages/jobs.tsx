@@ -1,8 +1,10 @@
 import { useEffect, useState } from "preact/hooks";
-import { isOver, type JobPage, listJobs } from "../api/jobs";
-import type { JobStatus } from "../api/types";
+import { isOver, listJobs } from "../api/jobs";
+import type { Page } from "../api/pages";
+import type { Job, JobStatus } from "../api/types";
 import { Failure } from "../parts/failure";
 import { JobWords } from "../parts/job_words";
+import { MoreButton } from "../parts/long_list";
 import { SearchBox, useSettled } from "../parts/search_box";
 import { StatusTag } from "../parts/status_tag";
 import { Verdict } from "../parts/verdict";
@@ -10,6 +12,8 @@ import { goTo } from "../router";
 import { saySeconds, sayWhen } from "../words";
 
 const LOOK_MS = 2000;
+const LOOK_PER_JOB_MS = 4; // a long list is asked for less often
+const FIRST = 50;
 const WAITED_LONG_MS = 45_000;
 const STATUSES: readonly JobStatus[] = ["accepted", "running", "successful", "failed", "dismissed"];
 
@@ -18,8 +22,8 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
   const [status, setStatus] = useState("");
   const search = useSettled("");
   const [label, setLabel] = useState(place.get("label") ?? "");
-  const [limit, setLimit] = useState(50);
-  const [page, setPage] = useState<JobPage | null>(null);
+  const [count, setCount] = useState(FIRST);
+  const [page, setPage] = useState<Page<Job> | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [picked, setPicked] = useState<string[]>([]);
   useEffect(() => {
@@ -27,27 +31,24 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
     let timer = 0;
     const look = async () => {
       try {
-        const query = new URLSearchParams({ limit: String(limit), ...(status ? { status } : {}) });
-        if (search.settled) query.set("q", search.settled);
-        if (label) query.set("label", label);
-        setPage(await listJobs(query, aborter.signal));
+        setPage(await listJobs(count, { status, q: search.settled, label }, aborter.signal));
         setError(null);
       } catch (reason) {
         if (aborter.signal.aborted) return;
         setError(reason);
       }
-      timer = window.setTimeout(look, LOOK_MS);
+      timer = window.setTimeout(look, Math.max(LOOK_MS, LOOK_PER_JOB_MS * count));
     };
     void look();
     return () => {
       aborter.abort();
       clearTimeout(timer);
     };
-  }, [status, limit, search.settled, label]);
-  const found = page?.jobs ?? [];
+  }, [status, count, search.settled, label]);
+  const found = page?.items ?? [];
   const narrowed = Boolean(search.settled || label || status);
-  const waiting = (page?.jobs ?? []).filter((job) => job.status === "accepted");
-  const running = (page?.jobs ?? []).some((job) => job.status === "running");
+  const waiting = found.filter((job) => job.status === "accepted");
+  const running = found.some((job) => job.status === "running");
   const unserved = !running && waiting.some((job) => Date.now() - Date.parse(job.created) > WAITED_LONG_MS);
   const pick = (id: string, on: boolean) =>
     setPicked((before) => (on ? [...before, id].slice(-2) : before.filter((one) => one !== id)));
@@ -152,13 +153,7 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
           </table>
         </div>
       )}
-      {page?.next && limit < 1000 && (
-        <div class="row">
-          <button type="button" onClick={() => setLimit(Math.min(1000, limit * 4))}>
-            Show older ones
-          </button>
-        </div>
-      )}
+      <MoreButton onMore={page?.next ? () => setCount(4 * count) : null} />
     </>
   );
 }

@@ -1,13 +1,14 @@
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { deleteMesh, listMeshes } from "../api/meshes";
-import type { MeshInfo } from "../api/types";
+import type { Finding, MeshInfo } from "../api/types";
 import { ConfirmedButton } from "../parts/confirmed_button";
 import { DropZone } from "../parts/drop_zone";
 import { Failure } from "../parts/failure";
 import { Findings } from "../parts/findings";
-import { useLoaded } from "../parts/loaded";
+import { MoreButton, useLongList } from "../parts/long_list";
 import { QuickCheck } from "../parts/quick_check";
 import { SearchBox, useSettled } from "../parts/search_box";
+import { ThinnedNote } from "../parts/thinned_note";
 import { useTriangles } from "../parts/triangles_of";
 import { type Local, UploadItem } from "../parts/upload_item";
 import { ViewerPane } from "../parts/viewer_pane";
@@ -19,20 +20,23 @@ import type { Viewer } from "../viewer/viewer";
 import { sayCount, sayVoxels, sayWhen } from "../words";
 
 const FEW = 5;
+const FIRST = 100;
+const CHECKED_FACES = 500_000; // of larger ones the check takes minutes: it waits for a click
 
 /** The way in: drop files, say their unit, see them, go on to a job. */
 export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   const search = useSettled("");
-  const [limit, setLimit] = useState(100);
-  const list = useLoaded(`meshes ${limit} ${search.settled}`, (signal) => listMeshes(signal, limit, search.settled));
-  const before = useRef(list.value); // is shown until the next page of the list is here
-  if (list.value) before.current = list.value;
+  const list = useLongList(
+    `meshes ${search.settled}`,
+    (count, signal) => listMeshes(count, search.settled, signal),
+    FIRST,
+  );
   const [files, setFiles] = useState<{ number: number; file: File }[]>([]);
   const [local, setLocal] = useState<Local | null>(null);
   const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [justAdded, setJustAdded] = useState("");
   const [refused, setRefused] = useState<unknown>(null);
-  const page = list.value ?? before.current;
-  const meshes = page?.meshes ?? [];
+  const meshes = list.items;
   const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
   const fetched = useTriangles(chosen && !chosen.volume ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
   const shown = local?.mesh ?? (chosen ? fetched.meshes[chosen.name] : undefined);
@@ -62,6 +66,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   };
   const added = (number: number, mesh: MeshInfo) => {
     remove(number);
+    setJustAdded(mesh.id);
     list.again();
     goTo(`#/?mesh=${mesh.id}`);
   };
@@ -73,8 +78,8 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
       setRefused(error);
     }
   };
-  const fly = (point: Point) => {
-    viewer?.setMarkers([{ point, severity: "warning" }]);
+  const fly = (point: Point, { places, severity }: Finding) => {
+    viewer?.setMarkers(places.map((place) => ({ point: place.point_mm, severity })));
     viewer?.flyTo(point);
   };
   const nothing = !list.loading && !list.error && !search.settled && meshes.length === 0 && files.length === 0;
@@ -85,7 +90,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
       </div>
       {list.error ? <Failure error={list.error} again={list.again} /> : null}
       {refused ? <Failure error={refused} /> : null}
-      {list.loading && !page && <p class="empty">Looking what the server holds…</p>}
+      {list.loading && !list.known && <p class="empty">Looking what the server holds…</p>}
       {nothing && (
         <div class="stack">
           <DropZone onFiles={add} />
@@ -123,12 +128,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
               failure={fetched.failure}
               empty={chosen?.volume ? "Make surfaces of its labels to see it." : "Choose a mesh to see it."}
             />
-            {shown?.thinned && (
-              <p class="muted small">
-                {sayCount(shown.faces)} faces are shown by {sayCount(shown.shown.faces.length / 3)}; jobs work on all of
-                them.
-              </p>
-            )}
+            <ThinnedNote meshes={shown ? [shown] : []} />
           </div>
           <div class="stack">
             <DropZone onFiles={add} small />
@@ -157,7 +157,13 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                   {mesh === chosen && (
                     <>
                       {mesh.findings.length > 0 && <Findings findings={mesh.findings} onPlace={fly} />}
-                      {!mesh.volume && <QuickCheck mesh={mesh} onPlace={fly} />}
+                      {!mesh.volume && (
+                        <QuickCheck
+                          mesh={mesh}
+                          atOnce={mesh.id === justAdded && mesh.faces <= CHECKED_FACES}
+                          onPlace={fly}
+                        />
+                      )}
                     </>
                   )}
                   <div class="row">
@@ -181,13 +187,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                 </li>
               ))}
             </ul>
-            {page?.next && limit < 1000 && (
-              <div class="row">
-                <button type="button" onClick={() => setLimit(Math.min(1000, limit * 4))}>
-                  Show older ones
-                </button>
-              </div>
-            )}
+            <MoreButton onMore={list.showMore} loading={list.loading} />
           </div>
         </div>
       )}

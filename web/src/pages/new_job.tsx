@@ -1,33 +1,44 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { execute, getInputs, listJobs } from "../api/jobs";
+import { execute, getInputs, getResults, listJobs } from "../api/jobs";
 import { findEars, listMeshes } from "../api/meshes";
-import { askJson, ServerError } from "../api/server";
-import type { Process, ProcessSummary } from "../api/types";
-import { Field, type FormContext } from "../form/field";
-import { PRESETS } from "../form/presets";
+import { askJson } from "../api/server";
+import type { Process } from "../api/types";
+import { findBoxes, withRegion } from "../form/boxes";
+import type { FormContext } from "../form/field";
+import { ProcessInputs } from "../form/process_inputs";
 import { hrefOf } from "../form/references_input";
 import { kindOf, withoutEmpty } from "../form/schema_kind";
-import { asLayers, asRegions, type Region } from "../form/values";
+import { asLayers, asTissues, type Region } from "../form/values";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
+import { MoreButton, useLongList } from "../parts/long_list";
+import { ProcessChoice } from "../parts/process_choice";
+import { SearchBox, useSettled } from "../parts/search_box";
+import { referencesIn, shownMeshes } from "../parts/shown_meshes";
 import { useTriangles } from "../parts/triangles_of";
 import { ViewerPane } from "../parts/viewer_pane";
+import { NO_WORDS, sentWords, WordsInputs } from "../parts/words_inputs";
 import { goTo } from "../router";
 import { tissueColours } from "../tissues";
 import type { RegionBox, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 
+const FIRST_MESHES = 100;
+const FIRST_JOBS = 50;
+const SEEN_THROUGH = 0.35; // what lies around another surface
+
 /** Set up a job: the form is made from the process' own description. */
 export function NewJobPage({ query }: { query: URLSearchParams }) {
-  const catalogue = useLoaded("processes", (signal) =>
-    askJson<{ processes: ProcessSummary[] }>("/v1/processes", { signal }),
+  const search = useSettled("");
+  const meshes = useLongList(
+    `meshes ${search.settled}`,
+    (count, signal) => listMeshes(count, search.settled, signal),
+    FIRST_MESHES,
   );
-  const meshes = useLoaded("meshes", listMeshes);
-  const jobs = useLoaded("jobs", (signal) =>
-    listJobs(new URLSearchParams({ status: "successful", limit: "50" }), signal),
-  );
+  const jobs = useLongList("jobs", (count, signal) => listJobs(count, { status: "successful" }, signal), FIRST_JOBS);
   const [processId, setProcessId] = useState(query.get("process") ?? "shells");
   const [values, setValues] = useState<Record<string, unknown>>({});
+  const [words, setWords] = useState(NO_WORDS);
   const [preset, setPreset] = useState("");
   const process = useLoaded(`process ${processId}`, (signal) =>
     askJson<Process>(`/v1/processes/${processId}`, { signal }),
@@ -37,7 +48,6 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [preview, setPreview] = useState<Region[]>([]);
   const inputs = process.value?.inputs;
-  const wantedMesh = query.get("mesh");
 
   // a field may change in the very click that starts the job, before anything was drawn again
   const newest = useRef(values);
@@ -45,18 +55,17 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     newest.current = all;
     setValues(all);
   };
-  const set = (name: string, value: unknown) => update({ ...newest.current, [name]: value });
-  // the mesh people came with goes into the first input that takes one
+  const change = (some: Record<string, unknown>) => update({ ...newest.current, ...some });
+
+  // the surface or package people came with goes into the first input that takes it
+  const wanted = query.get("from") ?? (query.get("mesh") ? `/v1/meshes/${query.get("mesh")}` : null);
   useEffect(() => {
-    if (!inputs || !wantedMesh) return;
-    const href = `/v1/meshes/${wantedMesh}`;
-    const first = Object.entries(inputs).find(([, one]) =>
-      ["reference", "references", "volume"].includes(kindOf(one.schema)),
-    );
-    if (first && values[first[0]] === undefined) {
-      set(first[0], kindOf(first[1].schema) === "references" ? [{ href }] : { href });
-    }
-  }, [inputs, wantedMesh]);
+    if (!inputs || !wanted) return;
+    const kinds = wanted.endsWith("/package") ? ["package"] : ["reference", "references", "volume"];
+    const [name, one] = Object.entries(inputs).find(([, each]) => kinds.includes(kindOf(each.schema))) ?? [];
+    if (!name || !one || newest.current[name] !== undefined) return;
+    change({ [name]: kindOf(one.schema) === "references" ? [{ href: wanted }] : { href: wanted } });
+  }, [inputs, wanted]);
 
   // the settings of an earlier job, to be changed
   const like = query.get("like");
@@ -68,68 +77,73 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     }, setError);
   }, [like]);
   const choose = (id: string, given: Record<string, unknown>, title: string) => {
-    const kept = Object.fromEntries(Object.entries(values).filter(([, value]) => hrefOf(value)));
+    const kept = Object.fromEntries(Object.entries(newest.current).filter(([, value]) => hrefOf(value)));
     setProcessId(id);
     update({ ...kept, ...given });
     setPreset(title);
     setError(null);
   };
+  // what is left of another process is neither shown nor sent
+  const known = useMemo(
+    () => Object.fromEntries(Object.entries(values).filter(([name]) => inputs && name in inputs)),
+    [values, inputs],
+  );
 
-  const shownName = Object.entries(inputs ?? {}).find(([name]) => hrefOf(values[name]))?.[0];
-  const shownHref = shownName ? hrefOf(values[shownName]) : "";
-  const mesh = meshes.value?.meshes.find((one) => shownHref.endsWith(one.id));
-  const triangles = useTriangles(
-    shownHref && !shownHref.endsWith("/package") && !mesh?.volume ? { skin: shownHref } : {},
+  const volumes = meshes.items.filter((one) => one.volume).map((one) => `/v1/meshes/${one.id}`);
+  const given = Object.fromEntries(Object.entries(referencesIn(known)).filter(([, href]) => !volumes.includes(href)));
+  const packed = hrefOf(known.package);
+  const contents = useLoaded(`results ${packed}`, async (signal) =>
+    packed ? shownMeshes(await getResults(packed.split("/")[3]!, signal), null) : {},
   );
-  const shown = triangles.meshes.skin;
-  const surfaces = useMemo<Surface[]>(
-    () =>
-      shown
-        ? [
-            {
-              name: mesh?.name ?? "surface",
-              mesh: shown.shown,
-              colour: tissueColours(["skin"]).skin!,
-              visible: true,
-              opacity: 1,
-              closed: shown.closed,
-              field: null,
-            },
-          ]
-        : [],
-    [shown, mesh?.name],
+  const triangles = useTriangles({ ...contents.value, ...given });
+  const names = Object.keys(triangles.meshes).sort(
+    (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
   );
-  const boxed = Object.entries(inputs ?? {}).filter(([, one]) =>
-    ["regions", "auto_or_regions"].includes(kindOf(one.schema)),
-  );
-  const boxes = useMemo<(RegionBox & { input: string; at: number })[]>(
+  const surfaces = useMemo<Surface[]>(() => {
+    const colours = tissueColours(names);
+    return names.map((name, place) => ({
+      name,
+      mesh: triangles.meshes[name]!.shown,
+      colour: colours[name]!,
+      visible: true,
+      opacity: place < names.length - 1 ? SEEN_THROUGH : 1,
+      closed: triangles.meshes[name]!.closed,
+      field: null,
+    }));
+  }, [triangles.meshes, names.join("\n")]);
+
+  const schemas = Object.fromEntries(Object.entries(inputs ?? {}).map(([name, one]) => [name, one.schema]));
+  const placed = useMemo(() => findBoxes(schemas, known), [known, inputs]);
+  const boxes = useMemo<RegionBox[]>(
     () => [
-      ...boxed.flatMap(([input]) =>
-        asRegions(values[input]).map((region, at) => ({ name: region.name, ...region.box_mm, input, at })),
-      ),
-      ...preview.map((region) => ({ name: region.name, ...region.box_mm, input: "", at: 0, fixed: true })),
+      ...placed.map(({ region }) => ({ name: region.name, ...region.box_mm })),
+      ...preview.map((region) => ({ name: region.name, ...region.box_mm, fixed: true })),
     ],
-    [values, inputs, preview],
+    [placed, preview],
   );
-  const moveBox = (number: number, box: RegionBox) => {
-    const one = boxes[number];
-    if (!one?.input) return;
-    const { min, max } = box;
-    set(
-      one.input,
-      asRegions(values[one.input]).map((region, at) => (at === one.at ? { ...region, box_mm: { min, max } } : region)),
-    );
+  const moveBox = (number: number, { min, max }: RegionBox) => {
+    const one = placed[number];
+    if (one) update(withRegion(newest.current, one, { ...one.region, box_mm: { min, max } }));
   };
-  const layerInput = Object.entries(inputs ?? {}).find(([, one]) => kindOf(one.schema) === "layers");
+
+  const layerInput = Object.entries(schemas).find(([, one]) => kindOf(one) === "layers");
+  const layers = layerInput ? asLayers(known[layerInput[0]] ?? layerInput[1].default).map((layer) => layer.name) : [];
+  const first = names[0] && triangles.meshes[names[0]];
+  const shownHref = Object.values(given)[0] ?? "";
+  const mesh = meshes.items.find((one) => shownHref.endsWith(one.id));
+  const volume = meshes.items.find((one) => one.volume && hrefOf(known.volume).endsWith(one.id))?.volume;
   const context: FormContext = {
-    meshes: meshes.value?.meshes ?? [],
-    jobs: jobs.value?.jobs ?? [],
-    layers: layerInput
-      ? asLayers(values[layerInput[0]] ?? layerInput[1].schema.default).map((layer) => layer.name)
-      : [],
+    meshes: meshes.items,
+    jobs: jobs.items,
+    layers,
+    surfaces: layerInput
+      ? ["skin", ...layers, ...asTissues(known.tissues).map((tissue) => tissue.name)]
+      : packed
+        ? Object.keys(contents.value ?? {})
+        : Object.keys((known.meshes as object | undefined) ?? {}),
     arrays: mesh?.arrays.map((array) => array.name) ?? [],
-    labels: mesh?.volume?.labels.map((one) => one.label) ?? [],
-    bounds: shown ? { min: shown.min, max: shown.max } : null,
+    labels: volume?.labels.map((one) => one.label) ?? [],
+    bounds: first ? { min: first.min, max: first.max } : null,
     findEars: mesh ? () => findEars(mesh.id) : null,
     onLook: (point) => viewer?.flyTo(point),
     onPreview: setPreview,
@@ -138,18 +152,15 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     setSending(true);
     setError(null);
     try {
-      goTo(`#/jobs/${(await execute(processId, withoutEmpty(newest.current))).jobID}`);
+      const sent = Object.entries(newest.current).filter(([name]) => name in schemas);
+      const job = await execute(processId, withoutEmpty(Object.fromEntries(sent)), sentWords(words));
+      goTo(`#/jobs/${job.jobID}`);
     } catch (reason) {
       setError(reason);
       setSending(false);
     }
   };
-  const problems = error instanceof ServerError ? (error.problem?.errors ?? []) : [];
-  const problemOf = (name: string) =>
-    problems
-      .filter((one) => one.pointer?.split("/").includes(name))
-      .map((one) => one.detail)
-      .join(" ");
+  const waits = names.length === 0 && shownHref && triangles.loading && !triangles.failure;
   return (
     <>
       <div class="heading">
@@ -158,18 +169,16 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
       <div class="bench wide-panel">
         <div class="view stack">
           <ViewerPane
-            label="3D view of the surface with its boxes"
+            label="3D view of the surfaces with their boxes"
             surfaces={surfaces}
             boxes={boxes}
             onBox={moveBox}
             onViewer={setViewer}
-            loading={
-              shownHref && !mesh?.volume && !shown && triangles.loading && !triangles.failure ? "Loading the mesh…" : ""
-            }
-            failure={triangles.failure}
-            empty="Choose a mesh to see it here."
+            loading={waits ? "Loading the mesh…" : ""}
+            failure={names.length === 0 ? triangles.failure : ""}
+            empty={volume ? "Surfaces are made of its labels." : "Choose a mesh to see it here."}
           />
-          {boxes.some((box) => !box.fixed) && (
+          {placed.length > 0 && (
             <p class="muted small">Pull at the round handles to move a side of a box, or type its corners.</p>
           )}
         </div>
@@ -180,53 +189,33 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             void start();
           }}
         >
-          <section class="card stack" aria-label="Presets">
-            <h2>Start from</h2>
-            {PRESETS.map((one) => (
-              <button
-                key={one.title}
-                type="button"
-                class="preset"
-                aria-pressed={preset === one.title}
-                onClick={() => choose(one.process, one.values, one.title)}
-              >
-                <span>
-                  <b>{one.title}</b>
-                  <br />
-                  <span class="small">{one.about}</span>
-                </span>
-              </button>
-            ))}
-            <div class="field">
-              <label for="process">Process</label>
-              <select id="process" value={processId} onChange={(event) => choose(event.currentTarget.value, {}, "")}>
-                {catalogue.value?.processes.map((one) => (
-                  <option key={one.id} value={one.id}>
-                    {one.title}
-                  </option>
-                ))}
-              </select>
-              <p class="muted small">{process.value?.description.replaceAll("`", "")}</p>
-            </div>
-          </section>
-          {catalogue.error || process.error ? (
-            <Failure error={catalogue.error || process.error} again={process.error ? process.again : catalogue.again} />
-          ) : null}
+          <ProcessChoice
+            processId={processId}
+            description={process.value?.description ?? ""}
+            preset={preset}
+            onChoose={choose}
+          />
+          {process.error ? <Failure error={process.error} again={process.again} /> : null}
           {meshes.error ? <Failure error={meshes.error} again={meshes.again} /> : null}
           {process.loading && <p class="empty">Loading the form…</p>}
-          <section class="card stack" aria-label="Inputs">
-            {Object.entries(inputs ?? {}).map(([name, one]) => (
-              <Field
-                key={`${processId} ${name}`}
-                name={name}
-                schema={{ ...one.schema, description: one.description || one.schema.description || "" }}
-                required={one.minOccurs > 0}
-                value={values[name]}
-                context={context}
-                problem={problemOf(name)}
-                onValue={(value) => set(name, value)}
-              />
-            ))}
+          {(meshes.showMore || search.typed) && (
+            <div class="card row">
+              <SearchBox label="Search the meshes to choose from" search={search} />
+              <MoreButton onMore={meshes.showMore} loading={meshes.loading} />
+            </div>
+          )}
+          {inputs && (
+            <ProcessInputs
+              key={processId}
+              inputs={inputs}
+              values={known}
+              context={context}
+              error={error}
+              onValues={change}
+            />
+          )}
+          <section class="card stack" aria-label="What to find it by">
+            <WordsInputs words={words} onWords={setWords} />
           </section>
           {error ? <Failure error={error} /> : null}
           <div class="row end">

@@ -24,6 +24,9 @@ export function Downloads(props: { job: Job; results: Record<string, ResultRefer
   };
   const files = Object.entries(results ?? {}).filter(([name]) => !INLINE.includes(name) && name !== "package");
   const pack = results?.package;
+  const surfaces = files.filter(([, file]) => file.type === "model/stl");
+  const goOn = (process: string, output: string) =>
+    `#/new?process=${process}&from=${encodeURIComponent(`${path}/results/${output}`)}`;
   if (!hasReport && files.length === 0 && !pack) return null;
   return (
     <section class="card stack" aria-label="Downloads">
@@ -69,6 +72,21 @@ export function Downloads(props: { job: Job; results: Record<string, ResultRefer
           </button>
         ))}
       </div>
+      {surfaces.length > 0 && (
+        <div class="row">
+          <span class="muted small">Go on with</span>
+          {pack && surfaces.length > 1 && (
+            <a class="button" href={goOn("decimate", "package")}>
+              all of them
+            </a>
+          )}
+          {surfaces.map(([name]) => (
+            <a key={name} class="button" href={goOn("shells", name)} aria-label={`New job with ${name}`}>
+              {name}
+            </a>
+          ))}
+        </div>
+      )}
       {error ? <Failure error={error} /> : null}
     </section>
   );

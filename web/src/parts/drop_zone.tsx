@@ -3,7 +3,16 @@ import { useRef, useState } from "preact/hooks";
 const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz";
 
 /** Where files land: by dragging, or by the usual dialog. */
-export function DropZone({ onFiles, small = false }: { onFiles: (files: File[]) => void; small?: boolean }) {
+export function DropZone({
+  onFiles,
+  small = false,
+  archives = false,
+}: {
+  onFiles: (files: File[]) => void;
+  small?: boolean;
+  /** Whether a zip of them is taken, too. */
+  archives?: boolean;
+}) {
   const [over, setOver] = useState(false);
   const input = useRef<HTMLInputElement>(null);
   return (
@@ -31,14 +40,14 @@ export function DropZone({ onFiles, small = false }: { onFiles: (files: File[]) 
         <button type="button" class="primary" onClick={() => input.current?.click()}>
           Choose files…
         </button>
-        <span class="muted">or drop them: STL, MAT, PLY, OBJ, NIfTI</span>
+        <span class="muted">or drop them: STL, MAT, PLY, OBJ, NIfTI{archives && ", or one zip of them"}</span>
       </div>
       <input
         ref={input}
         class="hidden-label"
         type="file"
         multiple
-        accept={KINDS}
+        accept={archives ? `${KINDS},.zip` : KINDS}
         tabIndex={-1}
         aria-label="Files to upload"
         onChange={(event) => {

@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import { relabelJob } from "../api/jobs";
 import type { Job } from "../api/types";
 import { Failure } from "./failure";
+import { listLabels, type TypedWords, WordsInputs } from "./words_inputs";
 
 /** What people call a job; always text. */
 export function JobWords({ job, onLabel }: { job: Job; onLabel?: (label: string) => void }) {
@@ -33,13 +34,11 @@ export function JobWords({ job, onLabel }: { job: Job; onLabel?: (label: string)
 
 /** The same to be changed: labels are separated by commas. */
 export function JobWordsForm({ job, onChanged }: { job: Job; onChanged: () => void }) {
-  const [name, setName] = useState(job.name ?? "");
-  const [labels, setLabels] = useState(job.labels.join(", "));
+  const [words, setWords] = useState<TypedWords>({ name: job.name ?? "", labels: job.labels.join(", ") });
   const [error, setError] = useState<unknown>(null);
   const save = async () => {
-    const listed = labels.split(",").flatMap((label) => label.trim() || []);
     try {
-      await relabelJob(job.jobID, name.trim() || null, listed);
+      await relabelJob(job.jobID, words.name.trim() || null, listLabels(words.labels));
       setError(null);
       onChanged();
     } catch (reason) {
@@ -56,14 +55,7 @@ export function JobWordsForm({ job, onChanged }: { job: Job; onChanged: () => vo
           void save();
         }}
       >
-        <label class="field">
-          Name
-          <input value={name} maxLength={200} onInput={(event) => setName(event.currentTarget.value)} />
-        </label>
-        <label class="field">
-          Labels, separated by commas
-          <input value={labels} onInput={(event) => setLabels(event.currentTarget.value)} />
-        </label>
+        <WordsInputs words={words} onWords={setWords} />
         {error ? <Failure error={error} /> : null}
         <div class="row end">
           <button type="submit">Save</button>

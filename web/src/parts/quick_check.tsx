@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { followJob } from "../api/events";
-import { execute, getReport } from "../api/jobs";
-import type { MeshInfo, Report } from "../api/types";
+import { execute, getJob, getReport } from "../api/jobs";
+import type { Finding, MeshInfo, Report } from "../api/types";
 import type { Point } from "../viewer/surface";
 import { Failure } from "./failure";
 import { Findings } from "./findings";
@@ -10,11 +10,20 @@ import { Verdict } from "./verdict";
 const found = new Map<string, Report>(); // of this visit, by mesh
 
 /** `validate` on one mesh, right where it is looked at. */
-export function QuickCheck({ mesh, onPlace }: { mesh: MeshInfo; onPlace: (point: Point) => void }) {
+export function QuickCheck({
+  mesh,
+  atOnce,
+  onPlace,
+}: {
+  mesh: MeshInfo;
+  /** Without being asked: of what was just sent. */
+  atOnce: boolean;
+  onPlace: (point: Point, finding: Finding) => void;
+}) {
   const [report, setReport] = useState<Report | null>(found.get(mesh.id) ?? null);
   const [phase, setPhase] = useState("");
   const [error, setError] = useState<unknown>(null);
-  const [asked, setAsked] = useState(false);
+  const [asked, setAsked] = useState(atOnce && !found.has(mesh.id));
   useEffect(() => setReport(found.get(mesh.id) ?? null), [mesh.id]);
   useEffect(() => {
     if (!asked) return;
@@ -23,13 +32,19 @@ export function QuickCheck({ mesh, onPlace }: { mesh: MeshInfo; onPlace: (point:
     setError(null);
     void (async () => {
       try {
-        const job = await execute("validate", { meshes: { href: `/v1/meshes/${mesh.id}` } });
+        const job = await execute(
+          "validate",
+          { meshes: { href: `/v1/meshes/${mesh.id}` } },
+          { name: `Quick check of ${mesh.name}` },
+        );
         await followJob(
           job.jobID,
           (event) => setPhase(String(event.data.phase || event.data.message || "")),
           () => {},
           aborter.signal,
         );
+        const { failure } = await getJob(job.jobID, aborter.signal);
+        if (failure) throw new Error(`${failure.message} (${failure.code})`);
         const answer = await getReport(job.jobID, aborter.signal);
         found.set(mesh.id, answer);
         setReport(answer);

@@ -13,6 +13,7 @@ import { Findings } from "./findings";
 import { useLoaded } from "./loaded";
 import { Numbers } from "./numbers";
 import { shownMeshes } from "./shown_meshes";
+import { ThinnedNote } from "./thinned_note";
 import { TissueTable } from "./tissue_table";
 import { useTriangles } from "./triangles_of";
 import { ViewerPane } from "./viewer_pane";
@@ -126,6 +127,7 @@ export function ResultView({ job }: { job: Job }) {
           />
           {beside && <Beside surfaces={surfaces} clip={clip} markers={markers} leader={viewer} />}
         </div>
+        <ThinnedNote meshes={Object.values(triangles.meshes)} />
         {job.summary && <p>{job.summary}</p>}
         {report.value && <Numbers report={report.value} />}
       </div>

@@ -17,6 +17,12 @@ export function shownMeshes(
 const HREF =
   /^(?:https?:\/\/[^/]+)?(\/v1\/(?:meshes\/[0-9a-f-]{36}|jobs\/[0-9a-f-]{36}\/results\/(?!package$)[A-Za-z0-9_.-]{1,64}))$/;
 
+/** A tissue is called by its name, not by its place. */
+function nameOf(value: unknown): string | null {
+  const name = (value as { name?: unknown } | null)?.name;
+  return typeof name === "string" && name ? name : null;
+}
+
 /** References anywhere in the inputs, named after where they stand. */
 export function referencesIn(value: unknown, name = "surface"): Record<string, string> {
   if (typeof value === "string") {
@@ -28,8 +34,9 @@ export function referencesIn(value: unknown, name = "surface"): Record<string, s
   const parts = Object.entries(value)
     .filter(([key]) => key !== "volume")
     .map(([key, one]) => {
-      if (Array.isArray(value)) return referencesIn(one, value.length > 1 ? `${name} ${Number(key) + 1}` : name);
-      return referencesIn(one, key === "href" ? name : key);
+      if (Array.isArray(value))
+        return referencesIn(one, nameOf(one) ?? (value.length > 1 ? `${name} ${Number(key) + 1}` : name));
+      return referencesIn(one, key === "href" || nameOf(value) ? name : key);
     });
   return Object.assign({}, ...parts) as Record<string, string>;
 }

@@ -3,7 +3,7 @@ import type { MeshInfo, Unit } from "../api/types";
 import { makeMesh, type Sending, sendFile } from "../api/uploads";
 import type { FileKind, ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
-import { sayLength, suggestUnit, toMm, UNIT_NAMES, UNITS } from "../units";
+import { doubtUnit, sayLength, suggestUnit, toMm, UNIT_NAMES, UNITS } from "../units";
 import { sayBytes, sayCount } from "../words";
 import { Failure } from "./failure";
 
@@ -80,6 +80,7 @@ export function UploadItem(props: {
   };
   const suggested = extents && suggestUnit(extents);
   const longest = extents && Math.max(...extents);
+  const doubt = longest && unit ? doubtUnit(longest, unit) : "";
   return (
     <article class="card stack" aria-label={`Upload of ${file.name}`}>
       <div class="row spread">
@@ -113,6 +114,11 @@ export function UploadItem(props: {
           </p>
         )}
       </div>
+      {doubt && (
+        <p class="note warn" role="alert">
+          {doubt}
+        </p>
+      )}
       {error ? <Failure error={error} again={path ? undefined : () => setTurn(turn + 1)} /> : null}
       <div class="row end">
         <button
