@@ -37,11 +37,12 @@ def build_package(
     report: Report,
     figures: Sequence[Figure],
     depths_mm: Mapping[str, NDArray[np.float64]] = NO_DEPTHS,
+    volume_msh: Path | None = None,
 ) -> Report:
     """Write the zip of spec section 3 and return its report, which names the checksums of the delivered STL files.
 
     Needs:    tissues in nesting order, float32-exact; input checksums as `sha256` in the parameters of the report; depths_mm
-              as `make_scene` takes them.
+              as `make_scene` takes them; volume_msh: the tissues' tetrahedra as `write_msh` wrote them.
     Promises: same tissues, report and figures: the same bytes. The STL files are those of `write_mesh(mesh, path, "stl",
               name)`; MAT holds the same vertices bit for bit, in class double.
     Raises:   InternalError `package.name_refused`, `package.not_nested`, `package.not_rounded`.
@@ -57,7 +58,9 @@ def build_package(
         _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
         _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
         _write_solver_files(folder, tissues, report)
-        _write_text(folder / "README.txt", readme_text(tissues, report))
+        if volume_msh is not None:
+            shutil.copyfile(volume_msh, folder / gmsh.VOLUME_FILE)
+        _write_text(folder / "README.txt", readme_text(tissues, report, with_volume=volume_msh is not None))
         _write_text(folder / "report" / "report.json", packed.model_dump_json(indent=2) + "\n")
         _write_text(folder / "report" / "report.html", render_html(packed, figures, scene))
         for figure in figures:

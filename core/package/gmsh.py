@@ -10,6 +10,7 @@ from core.package.merged_surfaces import MergedSurfaces
 from core.package.region_tag import SURFACE
 
 FILE = "gmsh/surfaces.msh"
+VOLUME_FILE = "gmsh/volume.msh"  # see `volume_files.write_msh`
 
 
 def write_surfaces(path: Path, surfaces: MergedSurfaces) -> None:

@@ -11,16 +11,16 @@ from core.schema.report import Report
 MNE_LAYERS = (1, 3)
 
 
-def readme_text(tissues: Sequence[Tissue], report: Report) -> str:
-    """Plain text, narrow enough for any editor."""
+def readme_text(tissues: Sequence[Tissue], report: Report, *, with_volume: bool = False) -> str:
+    """Plain text, narrow enough for any editor. with_volume: the package has tetrahedra, too."""
     outer, inner = tissues[0].name, tissues[-1].name
     return "\n".join(
         [
-            _head(tissues, report),
+            _head(tissues, report, with_volume),
             _section("MATLAB", _MATLAB, outer),
             _section("BEM-FMM", _BEM_FMM, outer),
             _section("Python", _PYTHON, outer),
-            _section("SimNIBS and gmsh", _GMSH, outer),
+            _section("SimNIBS and gmsh", _GMSH_VOLUME if with_volume else _GMSH, outer),
             _section("OpenMEEG", _OPENMEEG, outer),
             _section("MNE-Python", dedent(_MNE).rstrip() + _mne_layers(len(tissues), outer, inner), outer),
             _section("HFSS and other CAD programs", _HFSS, outer),
@@ -28,7 +28,7 @@ def readme_text(tissues: Sequence[Tissue], report: Report) -> str:
     )
 
 
-def _head(tissues: Sequence[Tissue], report: Report) -> str:
+def _head(tissues: Sequence[Tissue], report: Report, with_volume: bool) -> str:
     rows = [
         f"  {each.name:<24} {len(each.mesh.faces):>9} {_depth(each):>9} {each.conductivity_s_per_m:>8.4f}  {each.enclosing}"
         for each in tissues
@@ -52,6 +52,7 @@ def _head(tissues: Sequence[Tissue], report: Report) -> str:
         "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
         "  openmeeg/          model.geom, model.cond and NAME.tri",
         "  gmsh/, nastran/, tetgen/   all surfaces in one file, numbered by region_tag of manifest.json",
+        *(["  gmsh/volume.msh    tetrahedra of all tissues, and their surfaces"] if with_volume else []),
         "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
         "  report/  what was proven, with pictures",
     ]
@@ -90,6 +91,12 @@ _GMSH = """
     gmsh gmsh/surfaces.msh
     The mark of a triangle is 1000 + the number of its tissue. SimNIBS computes on tetrahedra, which these
     files do not have: `tetgen -pA tetgen/surfaces.smesh` fills them and gives each its tissue's number.
+"""
+_GMSH_VOLUME = """
+    gmsh gmsh/volume.msh
+    Tetrahedra with the number of their tissue, and its surface with 1000 + that number, as SimNIBS has it:
+    it is the head model. Numbers above 100 are not its own: give it their conductivities.
+    gmsh/surfaces.msh has the surfaces alone.
 """
 _OPENMEEG = """
     import openmeeg

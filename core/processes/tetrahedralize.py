@@ -9,9 +9,8 @@ from typing import Any
 from core.errors import InputError
 from core.package.conductivity import conductivity_of
 from core.package.tissue import FREE_SPACE, Tissue
-from core.package.volume_files import write_msh, write_vtu
 from core.processes.loaded_surfaces import LoadedSurfaces, load_surfaces
-from core.processes.outcome import Outcome, OutputFile
+from core.processes.outcome import Outcome
 from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.processes.tissue_filling import (
@@ -24,6 +23,7 @@ from core.processes.tissue_filling import (
     require_known_tissues,
     tetrahedra_methods,
     tetrahedra_summary,
+    write_volume,
 )
 from core.reports.figures.compose import draw_mesh_figures
 from core.run import RunContext
@@ -52,8 +52,7 @@ def run_tetrahedralize(
     stage.advance(1.0, f"{len(volume.tetrahedra)} tetrahedra")
     write = run.stage("write", 0.85, 0.9)
     tissues = _tissues(source, before)
-    write_msh(out_dir / "volume.msh", tissues, volume)
-    write_vtu(out_dir / "volume.vtu", tissues, volume)
+    files = write_volume(tissues, volume, out_dir)
     write.advance(1.0)
     run.stage("figures", 0.9, 1.0)
     regions = region_reports(volume, tissues)
@@ -61,10 +60,6 @@ def run_tetrahedralize(
     figures = (
         *draw_mesh_figures(source.meshes, pairs=before.pairs, findings=before.findings),
         draw_elements(volume, tissues),
-    )
-    files = (
-        OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh"),
-        OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu"),
     )
     return Outcome(report, figures, files, source.meshes)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from core.errors import InputError
 from core.mesh import Mesh
 from core.package.region_tag import region_tags
 from core.package.tissue import Tissue
+from core.package.volume_files import write_msh, write_vtu
+from core.processes.outcome import OutputFile
 from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.element_histogram import draw_element_histogram
 from core.reports.figures.figure import Figure
@@ -34,6 +37,8 @@ REFERENCES = (
     "[3] H. Si, TetGen, a Delaunay-based quality tetrahedral mesh generator, ACM Transactions on Mathematical Software 41, 2015, "
     "doi:10.1145/2629697",
 )
+MSH = OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh")
+VTU = OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu")
 SOFTWARE = {"tetgen": version("tetgen")}
 
 
@@ -64,6 +69,13 @@ def fill_tissues(
         radius_edge=asked.radius_edge,
         largest_mm3=asked.max_volume_mm3,
     )
+
+
+def write_volume(tissues: Sequence[Tissue], volume: VolumeMesh, out_dir: Path) -> tuple[OutputFile, ...]:
+    """For gmsh and SimNIBS, and for ParaView."""
+    write_msh(out_dir / MSH.path, tissues, volume)
+    write_vtu(out_dir / VTU.path, tissues, volume)
+    return (MSH, VTU)
 
 
 def region_reports(volume: VolumeMesh, tissues: Sequence[Tissue]) -> dict[str, RegionReport]:

@@ -13,13 +13,12 @@ from core.mesh import Mesh
 from core.package.build import build_package
 from core.package.conductivity import conductivity_of
 from core.package.tissue import FREE_SPACE, Tissue
-from core.package.volume_files import write_msh, write_vtu
 from core.processes.made_layers import MadeLayers, marked_areas, thickness_reports
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.preparation.step_log import StepLog
 from core.processes.software import software_versions
 from core.processes.surface_package import in_nesting_order
-from core.processes.tissue_filling import SOFTWARE
+from core.processes.tissue_filling import MSH, SOFTWARE, write_volume
 from core.processes.written_surfaces import require_unchanged
 from core.reports.figures.compose import draw_shell_figures
 from core.reports.steps import joined_methods
@@ -76,18 +75,15 @@ def deliver(made: Prepared, log: StepLog, run: RunContext, out_dir: Path) -> Out
     figures = (*drawn, *log.figures({tissue.name: tissue.mesh for tissue in made.tissues}))
     run.stage("package", 0.6, 1.0)
     package = out_dir / "package.zip"
-    packed = build_package(package, made.tissues, report, figures, depths)
+    volume_files = () if made.volume is None else write_volume(made.tissues, made.volume, out_dir)
+    packed = build_package(package, made.tissues, report, figures, depths, out_dir / MSH.path if volume_files else None)
     require_unchanged(package, made.delivered)
-    files = [
+    files = (
         OutputFile("package", Path(package.name), "application/zip", package.name),
         *(_surface_file(tissue.name) for tissue in made.tissues),
-    ]
-    if made.volume is not None:
-        write_msh(out_dir / "volume.msh", made.tissues, made.volume)
-        write_vtu(out_dir / "volume.vtu", made.tissues, made.volume)
-        files.append(OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh"))
-        files.append(OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu"))
-    return Outcome(packed, figures, tuple(files), {tissue.name: tissue.mesh for tissue in made.tissues}, depths)
+        *volume_files,
+    )
+    return Outcome(packed, figures, files, {tissue.name: tissue.mesh for tissue in made.tissues}, depths)
 
 
 def write_record(log: StepLog, out_dir: Path) -> OutputFile:

@@ -6,6 +6,7 @@ import hashlib
 import json
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import meshio
 import numpy as np
@@ -73,6 +74,14 @@ def test_every_tissue_is_a_region_of_the_tetrahedra(done: dict[str, Any], report
     assert set(report.regions) == set(report.meshes)
     packed = {tissue.name: tissue.region_tag for tissue in read_package(done["files"]["package"]).manifest.tissues}
     assert packed == {name: region.region_tag for name, region in report.regions.items()}
+
+
+def test_the_package_holds_the_tetrahedra(done: dict[str, Any]) -> None:
+    with ZipFile(done["files"]["package"]) as archive:
+        assert archive.read("gmsh/volume.msh") == done["files"]["msh"].read_bytes()
+        assert "gmsh gmsh/volume.msh" in archive.read("README.txt").decode()
+    listed = read_package(done["files"]["package"]).manifest.files["gmsh/volume.msh"]
+    assert (listed.sha256, listed.bytes) == (_sha256(done["files"]["msh"]), done["files"]["msh"].stat().st_size)
 
 
 def test_the_report_has_a_section_per_step(done: dict[str, Any], report: Report) -> None:

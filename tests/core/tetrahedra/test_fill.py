@@ -112,3 +112,12 @@ def test_the_proof_finds_what_is_wrong(filled, change, word):
 
 def mesh_volume(mesh: Mesh) -> float:
     return expected_volumes({"one": mesh}, {"one": None})["one"]
+
+
+def test_what_one_tolerance_refuses_the_next_one_fills(monkeypatch):
+    monkeypatch.setattr("core.tetrahedra.fill.COPLANAR", (0.5,))
+    with pytest.raises(InputError) as error:
+        fill(SURFACES, NESTING, gap_mm=0.5)  # whole spheres are flat to it
+    assert error.value.code == "tetrahedra.refused"
+    monkeypatch.setattr("core.tetrahedra.fill.COPLANAR", (0.5, 1e-12))
+    assert np.unique(fill(SURFACES, NESTING, gap_mm=0.5).region).tolist() == [0, 1, 2]
