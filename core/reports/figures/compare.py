@@ -19,12 +19,14 @@ from core.reports.figures.quality_pairs import draw_quality_pairs
 from core.reports.figures.surface_views import draw_surface_views
 from core.reports.palette import tissue_colours
 from core.schema.report import Report
+from core.validation.comparison import count_kept_vertices
 
+MOSTLY_KEPT = 0.75  # share of vertices that came as they are: two pictures of the curvature would look the same
 MOST_PAINTED = 6  # surfaces that get pictures of their own; a page of sixty-four would be read by nobody
 
 
 def draw_comparison(originals: Mapping[str, Mesh], deviations: Mapping[str, Deviation], report: Report) -> tuple[Figure, ...]:
-    """Curvature before and after, deviation, sections of a set, places of findings and gaps, quality before and after.
+    """Curvature before and after where most is new, deviation, sections of a set, places of findings and gaps, quality.
 
     Needs:    originals and deviations of every mesh of the report. Nothing is asked of their shape.
     Promises: same input, same bytes; names are unique.
@@ -36,7 +38,8 @@ def draw_comparison(originals: Mapping[str, Mesh], deviations: Mapping[str, Devi
     figures: list[Figure | None] = []
     changed = [name for name in results if deviations[name].maximum_mm > UNCHANGED_MM or _count(originals, results, name)]
     for name in changed[:MOST_PAINTED]:
-        figures.append(draw_curvature_pair(name, originals[name], results[name], frame))
+        if count_kept_vertices(originals[name].vertices, results[name].vertices) < MOSTLY_KEPT * len(results[name].vertices):
+            figures.append(draw_curvature_pair(name, originals[name], results[name], frame))
         if deviations[name].back.maximum_mm > UNCHANGED_MM:  # nothing was added or moved where pieces were taken away only
             figures.append(draw_deviation_map(name, deviations[name], frame))
     if any(finding.places for finding in report.findings):

@@ -46,7 +46,7 @@ def arrange_views(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tupl
     panels = []
     for number, (name, direction) in enumerate(names.items()):
         place = (half_width * (number % 2), height - half_height * (1 + number // 2), half_width, half_height)
-        panels.append(_panel(f"from {name}", mesh.vertices, direction, frame.up, place))
+        panels.append(panel_of(f"from {name}", mesh.vertices, direction, frame.up, place))
     return tuple(panels)
 
 
@@ -55,15 +55,15 @@ def arrange_beside(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tup
     if not frame.is_person:
         half = height // 2
         return (
-            _panel(f"from {axis_name(frame.front)}", mesh.vertices, frame.front, frame.up, (0, height - half, width, half)),
-            _panel(f"from {axis_name(frame.right)}", mesh.vertices, frame.right, frame.up, (0, 0, width, half)),
+            panel_of(f"from {axis_name(frame.front)}", mesh.vertices, frame.front, frame.up, (0, height - half, width, half)),
+            panel_of(f"from {axis_name(frame.right)}", mesh.vertices, frame.right, frame.up, (0, 0, width, half)),
         )
     head = mesh.vertices[mesh.vertices @ frame.up > frame.level(HEAD_ABOVE)]
     body_width, half = round(width * BODY_COLUMN), height // 2
     return (
-        _panel("front", mesh.vertices, frame.front, frame.up, (0, 0, body_width, height)),
-        _panel("head, front", head, frame.front, frame.up, (body_width, half, width - body_width, height - half)),
-        _panel("its right side", head, -frame.right, frame.up, (body_width, 0, width - body_width, half)),
+        panel_of("front", mesh.vertices, frame.front, frame.up, (0, 0, body_width, height)),
+        panel_of("head, front", head, frame.front, frame.up, (body_width, half, width - body_width, height - half)),
+        panel_of("its right side", head, -frame.right, frame.up, (body_width, 0, width - body_width, half)),
     )
 
 
@@ -82,14 +82,14 @@ def _person(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tuple[Pane
     head = mesh.vertices[mesh.vertices @ frame.up > frame.level(HEAD_ABOVE)]
     half = height // 2
     return (
-        _panel("front", mesh.vertices, frame.front, frame.up, (0, 0, body_width, height)),
-        _panel("back", mesh.vertices, -frame.front, frame.up, (body_width, 0, body_width, height)),
-        _panel("head, its right side", head, -frame.right, frame.up, (2 * body_width, half, side, height - half)),
-        _panel("head, its left side", head, frame.right, frame.up, (2 * body_width, 0, side, half)),
+        panel_of("front", mesh.vertices, frame.front, frame.up, (0, 0, body_width, height)),
+        panel_of("back", mesh.vertices, -frame.front, frame.up, (body_width, 0, body_width, height)),
+        panel_of("head, its right side", head, -frame.right, frame.up, (2 * body_width, half, side, height - half)),
+        panel_of("head, its left side", head, frame.right, frame.up, (2 * body_width, 0, side, half)),
     )
 
 
-def _panel(title: str, shown: Floats, toward: Floats, up: Floats, place: tuple[int, int, int, int]) -> Panel:
+def panel_of(title: str, shown: Floats, toward: Floats, up: Floats, place: tuple[int, int, int, int]) -> Panel:
     """The view from a direction whose window has the shape of its place and holds the points shown."""
     right = np.cross(up, toward)
     flat = np.column_stack([shown @ right, shown @ up])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,15 @@ PLANES = (0, 8, 16)  # the bytes of a number lie apart: high ones are nearly all
 
 
 @dataclass(frozen=True, slots=True)
+class Painted:
+    """What the numbers are that surfaces are painted by, if not depths; `shown`: from the start."""
+
+    name: str
+    unit: str
+    shown: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class Scene:
     """`about` as JSON and `data` deflated: what `web/src/mesh/scene.ts` reads.
 
@@ -41,11 +50,15 @@ class Scene:
 
 
 def make_scene(
-    meshes: Mapping[str, Mesh], depths_mm: Mapping[str, NDArray[np.float64]] = NO_DEPTHS, most_faces: int = MOST_FACES
+    meshes: Mapping[str, Mesh],
+    depths_mm: Mapping[str, NDArray[np.float64]] = NO_DEPTHS,
+    most_faces: int = MOST_FACES,
+    painted: Painted | None = None,
 ) -> Scene | None:
     """Pack surfaces, the largest first, as they are drawn; None if there are none.
 
-    depths_mm: surface -> distance of its vertices (V,) or faces (F,) to the skin, painted on it on demand.
+    depths_mm: surface -> distance of its vertices (V,) or faces (F,) to the skin, painted on it on demand; or whatever `painted`
+    calls it.
     Promises: same meshes, same bytes; every face keeps its corners and its orientation unless its surface is thinned; that
               has no depths either. A depth is shown to a 255th of the largest.
     """
@@ -81,7 +94,9 @@ def make_scene(
             depths = _of_vertices(depths_mm[name], mesh)[order]
             surfaces[-1]["deepest_mm"] = deepest = float(depths.max()) or 1.0
             chunks.append(np.rint(255.0 / deepest * np.maximum(depths, 0.0)).astype(np.uint8).tobytes())
-    about = {"version": FORMAT_VERSION, "origin_mm": low.tolist(), "step_mm": step, "surfaces": surfaces}
+    about: dict[str, Any] = {"version": FORMAT_VERSION, "origin_mm": low.tolist(), "step_mm": step, "surfaces": surfaces}
+    if painted is not None:
+        about["painted"] = asdict(painted)
     thinned = tuple(name for name in drawn if drawn[name] is not meshes[name])
     return Scene(about, zlib.compress(b"".join(chunks), DEFLATE_EFFORT), 0.5 * float(np.sqrt(3.0)) * step, thinned)
 

@@ -59,7 +59,7 @@ def test_what_moved_is_dark_on_the_map() -> None:
 
 def test_a_set_gets_its_sections_and_a_broken_surface_its_places() -> None:
     originals = {"skin": sphere(30.0, 3), "fat": sphere(29.0, 3)}
-    results = {"skin": sphere(30.0, 2), "fat": without_faces(sphere(28.5, 2), [0])}
+    results = {"skin": sphere(30.1, 2), "fat": without_faces(sphere(28.5, 2), [0])}
     validation = validate(results)
     finding = Finding(
         code="mesh.not_closed",
@@ -86,3 +86,12 @@ def test_a_set_gets_its_sections_and_a_broken_surface_its_places() -> None:
     for figure in figures:
         assert 60 < len(figure.caption) < 600
         assert picture(figure.png).std() > 5
+
+
+def test_curvature_is_not_drawn_twice_where_nearly_all_is_as_it_was() -> None:
+    before = sphere(30.0, 3)
+    after = before.with_vertices(np.where(before.vertices[:, :1] > 28, 1.05 * before.vertices, before.vertices))
+    validation = validate({"skin": after})
+    report = Report(process="heal", verdict="simulation_ready", summary="", meshes=validation.meshes)
+    figures = draw_comparison({"skin": before}, {"skin": measure_deviation(before, after)}, report)
+    assert [figure.name for figure in figures] == ["deviation_skin", "quality_histogram"]
