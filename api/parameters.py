@@ -66,6 +66,14 @@ PreferencesDep = Annotated[Preferences, Depends(preferences_of)]
 IdempotencyKey = Annotated[
     str | None, Header(alias="Idempotency-Key", description="Same key and request: done once, answered alike, for 24 h")
 ]
+MostFaces = Annotated[
+    int | None,
+    Query(
+        ge=1_000,
+        le=100_000_000,
+        description="Above so many faces a coarser mesh for the eye alone: it may be open and cut itself. Not of `original`",
+    ),
+]
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Entries per page")]
 TextFilter = Annotated[
     str, Query(max_length=200, description="Only those in whose names every word of this occurs; upper and lower case are alike")

@@ -15,6 +15,7 @@ from api.drain import Drain
 from api.http_tally import HttpTally
 from api.job_watch import JobWatch
 from api.outlook import Outlooks
+from api.preview_cache import PreviewCache
 from api.ringing import Ringer
 from api.stream_slots import StreamSlots
 from sandbox.nursery import Nursery
@@ -87,6 +88,7 @@ class Services:
     trail: AuditTrail
     drain: Drain
     disk: DiskFloor
+    previews: PreviewCache
 
     @property
     def incoming_dir(self) -> Path:
@@ -144,6 +146,7 @@ def make_services(settings: Settings) -> Services:
         admission=Admission(ApiKeys(db), always=settings.require_keys == "true"),
         drain=drain,
         disk=DiskFloor(settings.data_dir, settings.disk_floor_bytes),
+        previews=PreviewCache(settings.data_dir / "previews", settings.preview_bytes),
     )
 
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import anyio
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
 from api.intake import limits_of, require_mesh
 from api.parameters import MeshId
 from api.responses import problems
-from api.routes.meshes import scratch_folder
 from api.schemas.ears import FoundEars
+from api.scratch import FolderDep
 from api.services import Services, ServicesDep
 from sandbox.call import call
 from store.meshes import MeshRecord
@@ -25,9 +24,7 @@ TARGET = "core.processes.ear_boxes:run"
 
 
 @router.get("/ears", operation_id="findEars", responses=problems(404, 413, 422))
-async def find_ears(
-    mesh_id: MeshId, services: ServicesDep, workspace: WorkspaceDep, folder: Annotated[Path, Depends(scratch_folder)]
-) -> FoundEars:
+async def find_ears(mesh_id: MeshId, services: ServicesDep, workspace: WorkspaceDep, folder: FolderDep) -> FoundEars:
     """The boxes that `ears: "auto"` of the process `ears` would take; 422 `ears.not_found` says what was missing."""
     record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
     require_mesh(record)

@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import anyio
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
-from api.downloads import Download, read_file, send_download
+from api.downloads import Download, send_download
 from api.idempotency import REPLAYED, Once, fingerprint_of
-from api.intake import limits_of, name_of, parse, require_mesh, require_unit
+from api.intake import name_of, parse, require_mesh, require_unit
 from api.links import BASE, mesh_path
 from api.mesh_documents import describe_mesh, list_meshes
+from api.mesh_export import StoredMesh, export_mesh
 from api.paging import add_next_link
-from api.parameters import Cursor, IdempotencyKey, MeshId, PageLimit, TextFilter
+from api.parameters import Cursor, IdempotencyKey, MeshId, MostFaces, PageLimit, TextFilter
 from api.request_folder import request_folder
 from api.responses import files, problems
 from api.schemas.mesh import MeshInfo, MeshList
+from api.scratch import FolderDep
 from api.services import Services, ServicesDep
 from api.stored_download import stored_download
 from api.upload_form import ReceivedFile, receive_file
-from sandbox.call import call
 from store.idempotency import Reply
-from store.meshes import MeshRecord
+from store.meshes import CANONICAL_MEDIA_TYPE, MeshRecord
 from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/meshes", tags=["Meshes"])
 
-EXPORT_TARGET = "core.processes.export:run"
 FileFormat = Literal["original", "stl", "stl-ascii", "mat", "ply", "obj"]
 FILE_MEDIA_TYPES = ("application/octet-stream", "model/stl", "application/x-matlab-data", "application/ply", "model/obj")
 _UPLOAD_BODY: dict[str, Any] = {
@@ -49,7 +47,7 @@ _UPLOAD_BODY: dict[str, Any] = {
                         "file": {
                             "type": "string",
                             "format": "binary",
-                            "description": "STL, MAT (v5 to v7.3), PLY, OBJ, or a label volume as NIfTI",
+                            "description": "STL, MAT (v5 to v7.3), PLY, OBJ; a label volume (NIfTI); a field (.msh, .csv, .txt); a coil (.ccd, .tcd)",
                         },
                         "unit": {
                             "type": "string",
@@ -64,15 +62,6 @@ _UPLOAD_BODY: dict[str, Any] = {
         },
     }
 }
-
-
-def scratch_folder(services: ServicesDep) -> Iterator[Path]:
-    """Scratch space until the answer is out."""
-    with request_folder(services.incoming_dir) as folder:
-        yield folder
-
-
-FolderDep = Annotated[Path, Depends(scratch_folder)]
 
 
 @router.post(
@@ -90,7 +79,7 @@ async def upload_mesh(
     workspace: WorkspaceDep,
     idempotency_key: IdempotencyKey = None,
 ) -> MeshInfo:
-    """Send a mesh, or a label volume. It is read at once: the answer says what was found in it, or what is wrong with it."""
+    """Send a mesh, a label volume, a field or a coil. The answer says what was found in it, or what is wrong with it."""
     await run_in_threadpool(services.quotas.check_room_for_bytes, workspace, 0)  # before gigabytes come for nothing
     with request_folder(services.incoming_dir) as folder:
         received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes)
@@ -167,21 +156,15 @@ async def get_mesh_file(
     file_format: Annotated[
         FileFormat, Query(alias="format", description="`original`: the bytes as sent; all others in mm, as jobs read the mesh")
     ] = "original",
-    most_faces: Annotated[
-        int | None,
-        Query(
-            ge=1_000,
-            le=100_000_000,
-            description="Above so many faces a coarser mesh for the eye alone: it may be open and cut itself. Not of `original`",
-        ),
-    ] = None,
+    most_faces: MostFaces = None,
 ) -> Response:
     """The mesh as a file."""
     record = await run_in_threadpool(services.meshes.get, workspace, mesh_id)
     if file_format == "original":
         return send_download(request, await run_in_threadpool(_original, services, record))
     require_mesh(record)
-    export = partial(_export, services, record, file_format, most_faces, folder)
+    stored = StoredMesh(record.canonical_sha256, CANONICAL_MEDIA_TYPE, record.file_name, record.name)
+    export = partial(export_mesh, services, stored, file_format, most_faces, folder)
     download = await anyio.to_thread.run_sync(export, limiter=services.intake_slots)
     return send_download(request, download)
 
@@ -194,19 +177,3 @@ def _original(services: Services, record: MeshRecord) -> Download:
         file_name=record.file_name,
         media_type="application/octet-stream",
     )
-
-
-def _export(services: Services, record: MeshRecord, file_format: str, most_faces: int | None, folder: Path) -> Download:
-    path = folder / "export"
-    canonical = services.blobs.fetch(record.canonical_sha256, folder).absolute()
-    payload = {
-        "path": str(canonical),
-        "out_path": str(path),
-        "format": file_format,
-        "name": record.name,
-        "most_faces": most_faces,
-    }
-    told = call(services.nursery, EXPORT_TARGET, payload, limits_of(services), folder, readable=[canonical])
-    with path.open("rb") as file:
-        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    return Download(partial(read_file, path), path.stat().st_size, sha256, told["media_type"], record.name + told["extension"])

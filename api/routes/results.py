@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import json
+from functools import partial
+from pathlib import PurePath
 from typing import Annotated, Any
 
+import anyio
 from fastapi import APIRouter, Path, Request
 from fastapi.responses import JSONResponse
+from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from api.access import WorkspaceDep
 from api.downloads import Download, send_download
 from api.job_documents import REPORT_HTML_OUTPUT, REPORT_OUTPUT, describe_failure, refer_to_results
 from api.links import job_path
+from api.mesh_export import WRITTEN_AS, StoredMesh, export_mesh
 from api.negotiation import prefers
 from api.outcome import no_such_output, require_results
-from api.parameters import JobId
+from api.parameters import JobId, MostFaces
 from api.responses import files, problems
 from api.schemas.job import Results
+from api.scratch import FolderDep
 from api.services import Services, ServicesDep
 from api.stored_download import stored_download
 from core.errors import StateError
 from store.job import Job, JobOutput
+from store.mesh_inputs import count_faces
+from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/jobs/{job_id}", tags=["Results"])
 
@@ -39,6 +47,10 @@ def get_results(job_id: JobId, request: Request, services: ServicesDep, workspac
     return refer_to_results(request, require_results(services.jobs.get(workspace, job_id)))
 
 
+FACES_HEADER = "Integument-Faces"
+STL_MEDIA_TYPE = WRITTEN_AS["stl"][0]
+
+
 @router.head("/results/{output}", include_in_schema=False)
 @router.get(
     "/results/{output}",
@@ -46,19 +58,34 @@ def get_results(job_id: JobId, request: Request, services: ServicesDep, workspac
     response_class=Response,
     responses=files("The output", "application/zip", "application/json", "text/html", "model/stl") | problems(409, 413, 422),
 )
-def get_result(
+async def get_result(
     job_id: JobId,
     output: Annotated[str, Path(description="Name of the output")],
     request: Request,
     services: ServicesDep,
     workspace: WorkspaceDep,
+    folder: FolderDep,
+    most_faces: MostFaces = None,
 ) -> Response:
-    """One output as a file. A failed job may have left some too: its report."""
+    """One output as a file. A failed job may have left some too: its report.
+
+    A surface with more than `most_faces` comes coarser, and the header `Integument-Faces` says how many it really has."""
+    found = await run_in_threadpool(_find_output, services, workspace, job_id, output)
+    faces = count_faces(found)
+    if most_faces is None or found.media_type != STL_MEDIA_TYPE or faces <= most_faces:
+        return send_download(request, await run_in_threadpool(_download, services, found))
+    stored = StoredMesh(found.sha256, found.media_type, found.file_name, PurePath(found.file_name).stem)
+    export = partial(export_mesh, services, stored, "stl", most_faces, folder)
+    download = await anyio.to_thread.run_sync(export, limiter=services.intake_slots)
+    return send_download(request, download, extra_headers={FACES_HEADER: str(faces)})
+
+
+def _find_output(services: Services, workspace: WorkspaceId, job_id: str, output: str) -> JobOutput:
     job = services.jobs.get(workspace, job_id)
     found = job.outputs.get(output)
     if found is None:
         raise no_such_output(require_results(job), output)
-    return send_download(request, _download(services, found))
+    return found
 
 
 @router.head("/report", include_in_schema=False)

@@ -11,12 +11,14 @@ import httpx
 import pytest
 
 from api.downloads import content_disposition, requested_span
+from api.mesh_export import WRITTEN_AS
 from api.routes.meshes import FILE_MEDIA_TYPES
 from core.errors import InputError, InternalError, LimitError, StateError
-from core.io.registry import write_mesh
+from core.io.registry import FORMATS, WRITERS, write_mesh
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
 from store.workspace import DEFAULT_WORKSPACE
+from tests.acceptance.service import binary_stl
 from tests.api.live import REPORT, REPORT_HTML, Live, problem_of
 from tests.solids import sphere
 
@@ -280,6 +282,31 @@ def test_a_large_mesh_is_thinned_for_the_eye_alone(api: Live, tmp_path: Path) ->
         problem_of(api.client.get(f"{href}/file?most_faces=10"), 422, "request.invalid")["errors"][0]["pointer"] == "most_faces"
     )
     assert api.is_clean()
+
+
+def test_a_large_surface_of_a_job_is_thinned_and_kept(api: Live) -> None:
+    ball = sphere(50.0, 4)
+    job = api.successful({"skin": (binary_stl(ball), "model/stl", "skin.stl")})
+    path = f"/v1/jobs/{job.id}/results/skin"
+    whole = api.client.get(path)
+    assert api.client.get(path, params={"most_faces": len(ball.faces)}).content == whole.content
+    coarse = api.client.get(path, params={"most_faces": 1000})
+    assert coarse.headers["integument-faces"] == str(len(ball.faces))
+    assert coarse.headers["content-type"] == "model/stl"
+    assert 200 < api.upload(coarse.content, "coarse.stl").json()["faces"] <= 1000
+    kept = [each for each in (api.services.settings.data_dir / "previews").iterdir() if each.read_bytes() == coarse.content]
+    assert len(kept) == 1
+    kept[0].write_bytes(b"kept")  # what is kept is not made again
+    assert api.client.get(path, params={"most_faces": 1000}).content == b"kept"
+    kept[0].unlink()
+    assert api.client.get(path, params={"most_faces": 1000}).content == coarse.content
+    assert problem_of(api.client.get(path, params={"most_faces": 10}), 422, "request.invalid")
+    assert api.is_clean()
+
+
+def test_formats_are_told_as_they_are_written() -> None:
+    known = {name: FORMATS[name.partition("-")[0]] for name in WRITERS}
+    assert {name: (each.media_type, each.extensions[0]) for name, each in known.items()} == WRITTEN_AS
 
 
 def test_a_converted_mesh_can_be_fetched_in_parts(api: Live, mesh_href: str) -> None:
