@@ -9,8 +9,12 @@ from functools import cache, partial
 from pathlib import Path
 
 from core.errors import InputError, LimitError
+from core.io.ccd import read_ccd
+from core.io.msh import read_msh
 from core.io.nifti import read_volume
 from core.io.registry import read_meshes
+from core.io.tcd import read_tcd
+from core.io.text_table import read_table
 from core.mesh import Mesh
 from core.package.read import read_package
 
@@ -57,6 +61,14 @@ def read_zip(data: bytes) -> None:
         read_package(path)
 
 
+def read_source(data: bytes, read: Callable[[Path], object]) -> None:
+    """As a file with a field, or with a coil that makes one."""
+    path = folder() / "source"
+    path.write_bytes(data)
+    with suppress(InputError, LimitError):
+        read(path)
+
+
 READERS: dict[str, Target] = {
     "stl": partial(read_upload, extension="stl"),
     "mat": partial(read_upload, extension="mat"),
@@ -65,5 +77,9 @@ READERS: dict[str, Target] = {
     "obj": partial(read_upload, extension="obj"),
     "unnamed": partial(read_upload, extension=""),
     "nifti": read_labels,
+    "msh": partial(read_source, read=partial(read_msh, unit="mm")),
+    "tcd": partial(read_source, read=read_tcd),
+    "ccd": partial(read_source, read=read_ccd),
+    "table": partial(read_source, read=read_table),
     "package": read_zip,
 }

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import json
+import re
 import zipfile
+import zlib
 from collections.abc import Callable
 from functools import cache
 from io import BytesIO
 from pathlib import Path
 
 import h5py
+import meshio
 import numpy as np
 
 from core.io.registry import write_mesh
 from core.package.archive import EARLIEST_DATE
 from core.package.manifest import FILE_NAME, Manifest, TissueEntry
+from subjects.figure_eight import figure_eight, write_ccd
 from tests.core.io import matlab_bytes as craft
 from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
@@ -73,6 +79,33 @@ def package() -> bytes:
     return stream.getvalue()
 
 
+def msh(file_format: str, *, binary: bool) -> bytes:
+    """A tetrahedron with data on its corners and on itself, as meshio writes it."""
+    path = folder() / "good.msh"
+    data = {"E": np.arange(12.0).reshape(4, 3)}
+    cells = [("tetra", np.array([[0, 1, 2, 3]]))]
+    mesh = meshio.Mesh(P.astype(float), cells, point_data=data, cell_data={"v": [np.array([[1.0]])]})
+    meshio.write(path, mesh, file_format=file_format, binary=binary)
+    return re.sub(rb"np\.float64\(([^)]*)\)", rb"\1", path.read_bytes())  # what meshio writes as text under numpy 2
+
+
+def ccd() -> bytes:
+    """A coil as a table of dipoles."""
+    path = folder() / "good.ccd"
+    write_ccd(figure_eight(), path)
+    return path.read_bytes()
+
+
+def tcd() -> bytes:
+    """A coil as JSON, its rows packed and not."""
+    packed = base64.b64encode(zlib.compress(np.arange(6.0).tobytes())).decode()
+    elements = [
+        {"type": 1, "points": [[0, 0, 0], [1, 0, 0]], "values": [[0, 0, 1], [0, 1, 0]]},
+        {"type": 1, "points": packed, "values": packed},
+    ]
+    return json.dumps({"name": "coil", "coilElementList": elements, "stimulatorList": [{"name": "any"}]}).encode()
+
+
 SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "stl": (lambda: written("stl"), lambda: written("stl-ascii")),
     "mat": (
@@ -89,6 +122,15 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
         lambda: packed(nifti(two_boxes().astype("i4"), np.eye(4), version=2, order=">", slope=2.0)),
         lambda: nifti(two_boxes().astype("f4"), quaternion=(0.5, 0.5, 0.5, 1.0, 2.0, 3.0), units=0),
     ),
+    "msh": (
+        lambda: msh("gmsh22", binary=True),
+        lambda: msh("gmsh22", binary=False),
+        lambda: msh("gmsh", binary=True),
+        lambda: msh("gmsh", binary=False),
+    ),
+    "tcd": (tcd,),
+    "ccd": (ccd,),
+    "table": (lambda: b"x,y,z,E\n0,0,0,1\n1,2,3,nan\n", lambda: b"% a comment\n1 2 3\n4 5e-3 -6\n"),
     "unnamed": (lambda: written("stl"), lambda: written("stl-ascii")),
     "package": (package,),
 }
