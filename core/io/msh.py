@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from core.errors import InputError
 from core.field_source import FieldData, FieldMesh
 from core.io import msh22, msh41
-from core.io.msh_cursor import MshCursor, corrupt
+from core.io.msh_cursor import MshCursor, corrupt, truncated
 from core.io.msh_data import SECTIONS, DataRows, read_data
 from core.io.msh_elements import TETRAHEDRON, TRIANGLE, ElementRows, of_type
 from core.io.naming import clean_name, make_unique
@@ -49,6 +49,8 @@ def read_msh(path: Path, unit: Unit) -> tuple[FieldMesh, tuple[Finding, ...]]:
     Raises: InputError `msh.corrupt`, `msh.truncated`, `msh.unsupported`, `msh.no_nodes`, `msh.no_data`, `msh.duplicate_id`,
     `msh.unknown_id`, `msh.count_mismatch`, `msh.not_finite`.
     """
+    if not path.stat().st_size:  # nothing cannot be mapped
+        raise truncated("it is empty")
     with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
         nodes, elements, rows = _read_sections(MshCursor(data))
     ids, places = nodes
