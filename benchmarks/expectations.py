@@ -12,6 +12,7 @@ from typing import Any
 
 from core.io import canonical
 from core.processes.registry import EventSink, run
+from core.processes.registry import leisure_steps as leisure_steps
 from core.processes.registry import warm_up as warm_up
 from core.schema.expectation import expect
 from core.schema.processes import PROCESSES

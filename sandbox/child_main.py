@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from core.errors import IntegumentError, InternalError, LimitError
 from sandbox.channel import Channel
-from sandbox.confinement import EVENTS_FD, keep_only, release_reserve, restrict, tie_to
+from sandbox.confinement import EVENTS_FD, keep_only, release_reserve, restrict
 from sandbox.limits import Limits
 from sandbox.messages import Message
 from sandbox.request import Request
@@ -25,10 +25,9 @@ logger = logging.getLogger(__name__)  # written to the child's own log
 Target = Callable[[dict[str, Any], Channel], dict[str, Any]]
 
 
-def run_child(request: Request, events: int, payload: int, nursery_pid: int) -> NoReturn:
+def run_child(request: Request, events: int, payload: int) -> NoReturn:
     """Never returns: the copy of the nursery that called this ends here, whatever happens."""
     try:
-        tie_to(nursery_pid)
         parcel = _read_all(payload)
         keep_only(events, Path(request.scratch))
         channel = Channel(EVENTS_FD)

@@ -58,6 +58,12 @@ def give_way() -> None:
         Path("/proc/self/autogroup").write_text(str(NICENESS))
 
 
+def prepare_ahead() -> None:
+    """What every child gives up whatever its job is, so that it need not wait for it then. After `tie_to`."""
+    leave_network()
+    keep_kernels_in_memory()
+
+
 def keep_only(events: int, scratch: Path) -> None:
     """Standard input empty, output into scratch/child.log, the event pipe as EVENTS_FD, everything else closed."""
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -72,7 +78,7 @@ def keep_only(events: int, scratch: Path) -> None:
 
 
 def restrict(limits: Limits, scratch: Path, readable: Iterable[Path], target: str) -> list[str]:
-    """Working folder, environment, resource limits, network, powers, files, system calls, in this order.
+    """Working folder, environment, resource limits, powers, files, system calls, in this order.
 
     `readable`: inputs outside `scratch`. Returns what this kernel cannot do, in words; raises OSError or ValueError when it
     refuses."""
@@ -80,14 +86,12 @@ def restrict(limits: Limits, scratch: Path, readable: Iterable[Path], target: st
     os.umask(0o077)
     os.environ["TMPDIR"] = str(scratch)
     tempfile.tempdir = None  # forget what the parent found while it warmed up
-    leave_network()
     _limit(resource.RLIMIT_CORE, 0, 0)
     _limit(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
     _limit(resource.RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes)
     _limit(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + CPU_GRACE_S)
     warm = address_space_bytes()
     _limit(resource.RLIMIT_AS, warm + limits.memory_bytes, warm + limits.memory_bytes + MEMORY_RESERVE_BYTES)
-    keep_kernels_in_memory()
     drop_capabilities()
     missing = []
     if confine_files([*visible_files(target), *readable], [scratch, *map(Path, WRITABLE)]) == 0:

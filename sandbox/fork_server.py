@@ -1,22 +1,23 @@
-"""The nursery's own loop: one thread, one fork per request, every child reaped and reported."""
+"""The nursery's own loop: one thread, one child per request, forked ahead of it, every child reaped and reported."""
 
 from __future__ import annotations
 
 import json
 import logging
 import os
+import resource
 import select
 import selectors
 import signal
 import socket
-import sys
 import time
 from dataclasses import dataclass
 from typing import Any
 
-from sandbox.child_main import run_child
 from sandbox.descendants import children_of
-from sandbox.request import MAX_REQUEST_BYTES, Request
+from sandbox.leisure import Leisure
+from sandbox.request import MAX_REQUEST_BYTES
+from sandbox.spare import Spare, fork_spare
 
 logger = logging.getLogger(__name__)
 
@@ -37,10 +38,12 @@ class Ward:
 class ForkServer:
     """Serves one owner until the owner's end of the socket closes; then everything dies."""
 
-    def __init__(self, owner: socket.socket, refusal: dict[str, Any] | None) -> None:
-        """`refusal`: the described error every request gets when the preload failed."""
+    def __init__(self, owner: socket.socket, refusal: dict[str, Any] | None, leisure: Leisure) -> None:
+        """`refusal`: the described error every request gets when the preload failed; `leisure`: what is done between requests."""
         self._owner = owner
         self._refusal = refusal
+        self._leisure = leisure
+        self._spare: Spare | None = None
         self._wards: dict[int, Ward] = {}
         self._departed: list[Ward] = []
         self._selector = selectors.DefaultSelector()
@@ -54,8 +57,12 @@ class ForkServer:
         signal.set_wakeup_fd(wake_write.fileno(), warn_on_full_buffer=False)
         self._selector.register(self._owner, selectors.EVENT_READ)
         self._selector.register(wake_read, selectors.EVENT_READ)
+        self._lay_in_spare()
         while True:
-            for key, _ in self._selector.select(timeout=0.1 if self._departed else None):
+            ready = self._selector.select(self._patience_s())
+            if not ready and self._leisure.is_due:
+                self._use_leisure()
+            for key, _ in ready:
                 if key.fileobj is self._owner:
                     if not self._accept():
                         self._end()
@@ -65,6 +72,18 @@ class ForkServer:
                 else:  # the handle asked for the end of its child, or was dropped
                     self._kill(key.data)
             self._reap()
+
+    def _patience_s(self) -> float | None:
+        if self._leisure.is_due:
+            return 0.0  # whoever asks comes first
+        return 0.1 if self._departed else None
+
+    def _use_leisure(self) -> None:
+        """One step; after the last one the next child shall have all of it."""
+        self._leisure.take_step()
+        if not self._leisure.is_due:
+            self._dismiss_spare()
+            self._lay_in_spare()
 
     def _accept(self) -> bool:
         """Take one request and fork; False once the owner is gone."""
@@ -81,18 +100,16 @@ class ForkServer:
                 _tell(status, {"refused": self._refusal})
                 status.close()
             else:
-                self._fork(Request.decode(datagram), events, payload, status)
+                self._place(datagram, events, payload, status)
         finally:
             os.close(events)
             os.close(payload)
+        self._lay_in_spare()
         return True
 
-    def _fork(self, request: Request, events: int, payload: int, status: socket.socket) -> None:
-        nursery_pid = os.getpid()
-        sys.stdout.flush()
-        sys.stderr.flush()
+    def _place(self, datagram: bytes, events: int, payload: int, status: socket.socket) -> None:
         try:
-            pid = os.fork()
+            pid = self._hand_over(datagram, events, payload)
         except OSError as error:  # no memory, or too many processes
             _tell(
                 status,
@@ -100,14 +117,35 @@ class ForkServer:
             )
             status.close()
             return
-        if pid == 0:
-            signal.set_wakeup_fd(-1)
-            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            run_child(request, events, payload, nursery_pid)
         ward = Ward(pid, status)
         self._wards[pid] = ward
         self._selector.register(status, selectors.EVENT_READ, ward)
         _tell(status, {"pid": pid})
+
+    def _hand_over(self, datagram: bytes, events: int, payload: int) -> int:
+        """Process id of the child that has it: the spare one, or another if there is none or it died while it waited."""
+        if self._spare is not None:
+            spare, self._spare = self._spare, None
+            if spare.give(datagram, events, payload):
+                return spare.pid
+        spare = fork_spare()
+        if not spare.give(datagram, events, payload):
+            raise ChildProcessError("it died at once")
+        return spare.pid
+
+    def _lay_in_spare(self) -> None:
+        """After a request, so that the fork is nobody's time; where it fails, the next request tries again and hears why."""
+        if self._spare is not None or self._refusal is not None:
+            return
+        try:
+            self._spare = fork_spare()
+        except OSError as error:
+            logger.warning("no child can be forked ahead: %s", error)
+
+    def _dismiss_spare(self) -> None:
+        if self._spare is not None:
+            self._spare.dismiss()
+            self._spare = None
 
     def _kill(self, ward: Ward) -> None:
         """End a child and its process group; those who left the group come to us as orphans."""
@@ -122,20 +160,19 @@ class ForkServer:
 
     def _reap(self) -> None:
         """Collect the dead, kill what they left behind, then report: once the owner hears of an end, nothing of it runs."""
-        while self._wards or self._departed:
-            try:
-                pid, status, usage = os.wait4(-1, os.WNOHANG)
-            except ChildProcessError:
-                break
-            if pid == 0:
-                break
+        while (ended := _next_dead()) is not None:
+            pid, status, usage = ended
+            if self._leisure.hear_of_end(pid):
+                continue
+            if self._spare is not None and pid == self._spare.pid:
+                self._dismiss_spare()
             ward = self._wards.pop(pid, None)
-            if ward is not None:  # else: an orphan we killed
+            if ward is not None:  # else: an orphan we killed, or a spare child
                 ward.report = {"exit_code": os.waitstatus_to_exitcode(status), "max_rss_bytes": usage.ru_maxrss * 1024}
                 ward.ended_at = time.monotonic()
                 self._departed.append(ward)
         if self._departed:
-            orphans = [pid for pid in children_of(os.getpid()) if pid not in self._wards]
+            orphans = [pid for pid in children_of(os.getpid()) if pid not in self._wards and pid not in self._own()]
             for pid in orphans:
                 os.kill(pid, signal.SIGKILL)
             latest = time.monotonic() - ORPHAN_PATIENCE_S
@@ -143,6 +180,10 @@ class ForkServer:
             for ward in ready:
                 self._departed.remove(ward)
                 self._dismiss(ward)
+
+    def _own(self) -> set[int]:
+        """Children of ours that have no job."""
+        return {pid for pid in (self._leisure.pid, None if self._spare is None else self._spare.pid) if pid is not None}
 
     def _dismiss(self, ward: Ward) -> None:
         if ward.status in self._selector.get_map():
@@ -152,13 +193,24 @@ class ForkServer:
 
     def _end(self) -> None:
         """Kill everybody and wait for it, so that a restarted owner finds no leftovers."""
+        self._dismiss_spare()
+        self._leisure.end()
         for ward in list(self._wards.values()):
             if ward.status in self._selector.get_map():
                 self._kill(ward)
         deadline = time.monotonic() + END_PATIENCE_S
-        while (self._wards or self._departed) and time.monotonic() < deadline:
+        while children_of(os.getpid()) and time.monotonic() < deadline:
             self._selector.select(timeout=0.05)
             self._reap()
+
+
+def _next_dead() -> tuple[int, int, resource.struct_rusage] | None:
+    """Process id, wait status and use of a child that has ended; None if none has."""
+    try:
+        pid, status, usage = os.wait4(-1, os.WNOHANG)
+    except ChildProcessError:
+        return None
+    return (pid, status, usage) if pid else None
 
 
 def _tell(status: socket.socket, message: dict[str, Any]) -> None:

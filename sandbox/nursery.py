@@ -35,6 +35,7 @@ PASSED_VARIABLES = (
     *("HOME", "TMPDIR", "XDG_CACHE_HOME", "MPLCONFIGDIR", "NUMBA_CACHE_DIR"),
     *("LANG", "LC_ALL", "LC_CTYPE", "TZ", LOG_FORMAT),
 )
+HUGE_PAGES = "glibc.malloc.hugetlb=1"  # a child asks the kernel for much fresh memory, 2 MiB at a time where that is allowed
 STOP_PATIENCE_S = 10.0
 
 
@@ -49,7 +50,8 @@ class Nursery:
         *,
         require_confinement: bool = False,
     ) -> None:
-        """`preload`: modules to import before the first fork, each with an optional `warm_up()`; `threads`: per numeric pool;
+        """`preload`: modules to import before the first fork, each with an optional `warm_up()`, and optional
+        `leisure_steps()` for later; `threads`: per numeric pool;
         `require_confinement`: children that the kernel cannot lock in refuse to work (`confinement.missing`)."""
         self._preload = tuple(preload)
         self._threads = threads
@@ -176,6 +178,7 @@ class Nursery:
         """Only what it needs: whatever is here, every child can read."""
         environment = {name: os.environ[name] for name in PASSED_VARIABLES if name in os.environ}
         environment |= dict.fromkeys(THREAD_VARIABLES, str(self._threads))
+        environment["GLIBC_TUNABLES"] = HUGE_PAGES
         environment["PYTHONPATH"] = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         return environment
 

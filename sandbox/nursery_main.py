@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import gc
 import importlib
 import logging
 import os
@@ -16,10 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import InternalError
+from sandbox.apprentice import Step
 from sandbox.fork_server import ForkServer, owner_is_gone
 from sandbox.kernel import PR_SET_CHILD_SUBREAPER, set_process_flag
+from sandbox.leisure import Leisure, settle_memory
 from sandbox.log_lines import LOG_FORMAT, configure_logging
-from sandbox.visible_files import known_files
 
 logger = logging.getLogger("sandbox.nursery")
 
@@ -30,16 +30,15 @@ def main(arguments: Sequence[str]) -> None:
     owner = socket.socket(fileno=int(arguments[0]))
     set_process_flag(PR_SET_CHILD_SUBREAPER, 1)
     die_with(owner)
-    refusal = preload(arguments[1:])
+    steps: list[Step] = []
+    refusal = preload(arguments[1:], steps)
     signal.signal(signal.SIGIO, signal.SIG_IGN)
     fcntl.fcntl(owner, fcntl.F_SETFL, fcntl.fcntl(owner, fcntl.F_GETFL) & ~os.O_ASYNC)
-    known_files()
-    gc.collect()
-    gc.freeze()  # keeps the collector of every child from copying our pages
+    settle_memory()
     if owner_is_gone(owner):
         return
     owner.send(b"ready")  # stays unread: that it is there is the message
-    ForkServer(owner, refusal).serve()
+    ForkServer(owner, refusal, Leisure(steps)).serve()
 
 
 def die_with(owner: socket.socket) -> None:
@@ -55,14 +54,16 @@ def die_with(owner: socket.socket) -> None:
     look(signal.SIGIO, None)
 
 
-def preload(modules: Sequence[str]) -> dict[str, Any] | None:
-    """Import `modules` and run their `warm_up()`; None, or the described error that every request will get."""
+def preload(modules: Sequence[str], steps: list[Step]) -> dict[str, Any] | None:
+    """Import `modules`, run their `warm_up()`, add their `leisure_steps()`; None, or the error that every request will get."""
     started = time.monotonic()
     for name in modules:
         try:
             module = importlib.import_module(name)
             if hasattr(module, "warm_up"):
                 module.warm_up()
+            if hasattr(module, "leisure_steps"):
+                steps += module.leisure_steps()
         except BaseException as error:  # the module's author decides what it raises; we must live to say so
             logger.exception("preload of %s failed", name)
             return InternalError(

@@ -35,7 +35,7 @@ LOADING = {
     "kind": "progress",
     "progress": 0.0,
     "phase": "load the libraries",
-    "message": "libraries are being loaded; after an installation or update kernels are compiled, which takes up to a minute",
+    "message": "libraries are being loaded; after an installation or update kernels are compiled, which takes some seconds",
 }
 # another attempt may fare better; a worker whose disk is full claims nothing until there is room
 RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed", "storage.full", "blobs.unavailable"})

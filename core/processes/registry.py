@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -26,14 +26,14 @@ from core.processes.smooth import run_smooth
 from core.processes.software import software_digest
 from core.processes.tetrahedralize import run_tetrahedralize
 from core.processes.validate import run_validate
-from core.processes.warm_up import warm_up as warm_up_kernels
+from core.processes.warm_up import warm_up_steps
 from core.reports.html import render_html
 from core.reports.scene.scene import make_scene
 from core.run import RunContext, RunEvent
 from core.schema.cohort import COHORT_SUMMARY
 from core.schema.processes import PROCESSES
 
-__all__ = ["HANDLERS", "run", "warm_up"]
+__all__ = ["HANDLERS", "leisure_steps", "run", "warm_up"]
 
 Handler = Callable[[Any, Mapping[str, Mapping[str, Any]], RunContext, Path], Outcome]
 HANDLERS: dict[str, Handler] = {
@@ -61,9 +61,13 @@ class EventSink(Protocol):
 
 
 def warm_up() -> None:
-    """For the process whose forks run jobs."""
-    warm_up_kernels()
+    """For the process whose forks run jobs, before the first of them: what each needs whatever it does."""
     rehearse(run)
+
+
+def leisure_steps() -> Sequence[Callable[[], object]]:
+    """For the same process, while nobody waits for it: what only some jobs need."""
+    return warm_up_steps()
 
 
 def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:

@@ -1,6 +1,8 @@
-"""Compile and load all kernels before the first job, so that every child finds them in memory."""
+"""What a worker does once so that no job waits for it: kernels are compiled, libraries loaded, for all children to come."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -31,33 +33,67 @@ CUBE_FACES = [
     (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
     (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
 ]  # fmt: skip
+ANY_MESH = MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000")
+
+
+def warm_up_steps() -> Sequence[Callable[[], object]]:
+    """One per family of kernels, what is asked for most often first. Each alone compiles what it needs."""
+    return (_shells, _mending_of_poor_faces, _healing, _decimation, _smoothing, _separation, _grafting, software_digest)
 
 
 def warm_up() -> None:
-    """Run the main job on a cube, which passes through every compiled kernel."""
-    cube = Mesh.of(CUBE_CORNERS, CUBE_FACES)
-    inputs = ShellsInputs(
-        skin=MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000"),
-        layers=(Layer(name="outer", depth_mm=1.0), Layer(name="inner", depth_mm=2.0)),
-    )
+    """All of it at once."""
+    for step in warm_up_steps():
+        step()
+
+
+def _cube() -> Mesh:
+    return Mesh.of(CUBE_CORNERS, CUBE_FACES)
+
+
+def _shells() -> None:
+    """The main job on a cube and on a plate, checked and drawn."""
+    cube = _cube()
+    inputs = ShellsInputs(skin=ANY_MESH, layers=(Layer(name="outer", depth_mm=1.0), Layer(name="inner", depth_mm=2.0)))
     surfaces = {"cube": cube, **{shell.name: shell.mesh for shell in create_shells(cube, inputs)}}
     validate(surfaces)
     draw_mesh_figures(surfaces)
-    # no face of a cube is poor, so the kernels that mend poor ones are called by name
+    pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
+    create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
+
+
+def _mending_of_poor_faces() -> None:
+    """No face of a cube is poor, so these are called by name."""
+    cube = _cube()
     sheet = Sheet.copy_of(cube.vertices, cube.faces)
     everything = Remedy(flip_below=2.0, collapse_below=2.0)
     innate = np.full(len(cube.vertices), 2.0)
     reconnect(sheet, MovingSurface(cube.vertices, cube.faces), Clearance(0.0, 0.0, ()), everything, innate)
-    pinched = cube.with_vertices(cube.vertices * (1.0, 1.0, PINCH))
-    create_shells(pinched, inputs.model_copy(update={"layers": (Layer(name="outer", depth_mm=1.0),)}))
-    for method in ("wcc", "taubin"):
-        smooth({"cube": cube}, SmoothInputs(mesh=inputs.skin, method=method, retriangulate=True))
-    neighbours = {"cube": cube, "neighbour": cube.with_vertices(cube.vertices + np.array([SIZE_MM, 0.0, 0.0]))}
-    separate(neighbours, SeparateInputs(meshes=dict.fromkeys(neighbours, inputs.skin)))
-    for target in ({"target_faces": 10}, {"max_deviation_mm": 1.0}, {"target_faces": 10, "literal": True}):
-        decimate({"cube": cube}, DecimateInputs.model_validate({"mesh": inputs.skin, **target}))
+
+
+def _healing() -> None:
+    cube = _cube()
     other = cube.vertices + 0.4 * SIZE_MM
     crossing = Mesh.of(np.vstack((cube.vertices, other)), np.vstack((cube.faces[2:], cube.faces + len(cube.vertices))))
-    heal(crossing, HealInputs(mesh=inputs.skin, max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
-    triangulate_band(cube.vertices[[0, 4, 6, 2]], cube.vertices[[1, 5, 7, 3]])
-    software_digest()
+    heal(crossing, HealInputs(mesh=ANY_MESH, max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
+
+
+def _decimation() -> None:
+    for target in ({"target_faces": 10}, {"max_deviation_mm": 1.0}, {"target_faces": 10, "literal": True}):
+        decimate({"cube": _cube()}, DecimateInputs.model_validate({"mesh": ANY_MESH, **target}))
+
+
+def _smoothing() -> None:
+    for method in ("wcc", "taubin"):
+        smooth({"cube": _cube()}, SmoothInputs(mesh=ANY_MESH, method=method, retriangulate=True))
+
+
+def _separation() -> None:
+    cube = _cube()
+    neighbours = {"cube": cube, "neighbour": cube.with_vertices(cube.vertices + np.array([SIZE_MM, 0.0, 0.0]))}
+    separate(neighbours, SeparateInputs(meshes=dict.fromkeys(neighbours, ANY_MESH)))
+
+
+def _grafting() -> None:
+    vertices = _cube().vertices
+    triangulate_band(vertices[[0, 4, 6, 2]], vertices[[1, 5, 7, 3]])

@@ -13,6 +13,7 @@ import pytest
 
 from core.errors import InternalError
 from sandbox.call import call
+from sandbox.descendants import children_of
 from sandbox.limits import Limits
 from sandbox.nursery import Nursery
 from tests.sandbox.ending import wait_for_end
@@ -176,3 +177,73 @@ def test_no_descriptor_is_left_open(nursery: Nursery, limits: Limits, scratch: P
             call(nursery, TARGETS + "segfault", {}, limits, scratch)
     after = [len(os.listdir(f"/proc/{pid}/fd")) for pid in (os.getpid(), nursery.pid)]
     assert all(now - then <= 1 for now, then in zip(after, before, strict=True))  # it may just be closing the last one
+
+
+LEISURE = """
+import os, time
+warmed_by, learnt_by = [], []
+def warm_up(): warmed_by.append(os.getpid())
+def learn(): learnt_by.append(os.getpid())
+def fail(): raise ValueError("no such step")
+def leisure_steps(): return (fail, learn)
+def tell(payload, channel): return {"warmed_by": warmed_by, "learnt_by": learnt_by}
+"""
+
+
+def test_what_is_not_needed_at_once_is_learnt_between_requests(
+    own_nursery: Callable[..., Nursery], limits: Limits, scratch: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (scratch / "leisurely.py").write_text(LEISURE)
+    monkeypatch.syspath_prepend(scratch)
+    nursery = own_nursery("leisurely")
+    latest = time.monotonic() + 20
+    while not (told := call(nursery, "leisurely:tell", {}, limits, scratch))["learnt_by"] and time.monotonic() < latest:
+        time.sleep(0.05)
+    assert told == {"warmed_by": [nursery.pid], "learnt_by": [nursery.pid]}
+
+
+KERNEL = """
+import os
+from numba import njit
+@njit(cache=True)
+def double(x): return 2 * x
+def learn(): double(21)
+def leisure_steps(): return (learn,)
+def tell(payload, channel):
+    return {"compiled": len(double.signatures), "kept": [name for name in os.listdir(payload["cache"]) if "double" in name]}
+"""
+
+
+def test_kernels_are_compiled_beside_the_nursery_and_loaded_by_it(
+    own_nursery: Callable[..., Nursery], limits: Limits, scratch: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (scratch / "kernels.py").write_text(KERNEL)
+    monkeypatch.syspath_prepend(scratch)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    cache = str(scratch / "__pycache__")
+    nursery = own_nursery("kernels")
+    told = call(nursery, "kernels:tell", {"cache": cache}, limits, scratch)  # answered while the kernel is compiled elsewhere
+    latest = time.monotonic() + 60
+    while not told["compiled"] and time.monotonic() < latest:
+        time.sleep(0.05)
+        told = call(nursery, "kernels:tell", {"cache": cache}, limits, scratch)
+    assert told["compiled"] == 1
+    assert any(name.endswith(".nbi") for name in told["kept"])
+
+
+def test_a_spare_child_that_died_costs_nobody_a_job(nursery: Nursery, limits: Limits, scratch: Path) -> None:
+    call(nursery, TARGETS + "echo", {}, limits, scratch)
+    assert nursery.pid is not None
+    for _ in range(3):
+        latest = time.monotonic() + 10
+        while not (waiting := children_of(nursery.pid)) and time.monotonic() < latest:
+            time.sleep(0.01)
+        assert len(waiting) == 1
+        os.kill(waiting[0], signal.SIGKILL)
+        assert wait_for_end(waiting) == []
+        assert call(nursery, TARGETS + "echo", {"n": 1}, limits, scratch) == {"n": 1}
+
+
+def test_no_child_does_a_second_job(nursery: Nursery, limits: Limits, scratch: Path) -> None:
+    described = [call(nursery, TARGETS + "describe_surroundings", {}, limits, scratch) for _ in range(4)]
+    assert len({one["pid"] for one in described}) == 4

@@ -1,4 +1,4 @@
-"""After the warm-up every kernel that Python calls is compiled, so no job waits for the compiler."""
+"""After all steps of the warm-up every kernel that Python calls is compiled, so no job waits for the compiler."""
 
 from __future__ import annotations
 
