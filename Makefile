@@ -36,7 +36,7 @@ check: $(STAMP) ## style, types, import contracts, drift of openapi/
 	$(BIN)/python scripts/openapi.py --check
 	$(BIN)/python scripts/web.py check
 
-docs: $(STAMP) ## build the documentation site into out/docs; a link that leads nowhere is an error
+docs: $(STAMP) ## build the documentation site, which the server shows at /handbook/; a link that leads nowhere is an error
 	$(BIN)/python scripts/docs.py
 
 debian: $(STAMP) # a browser and libraries that the tests need
@@ -69,4 +69,4 @@ audit: $(STAMP) ## ask the advisory services about every locked package; needs t
 	@uv="$$($(PYTHON) scripts/bootstrap_uv.py)" && "$$uv" audit --frozen
 
 clean: ## forget the environment and everything made
-	rm -rf $(VENV) .uv out web/node_modules api/static core/reports/viewer
+	rm -rf $(VENV) .uv out web/node_modules api/static api/handbook core/reports/viewer

@@ -78,6 +78,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.include_router(module.router, prefix=BASE)
     app.include_router(health.router)
     app.include_router(page.page_router())
+    app.include_router(page.handbook_router())
     install_openapi(app)
     return app
 

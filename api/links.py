@@ -9,6 +9,7 @@ from starlette.requests import Request
 
 from api.schemas.link import Link
 
+HANDBOOK = "/handbook/"
 BASE = "/v1"
 JSON = "application/json"
 OPENAPI_3_0 = "application/vnd.oai.openapi+json;version=3.0"

@@ -15,11 +15,13 @@ MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".png": "image/png",
     ".svg": "image/svg+xml",
     ".txt": "text/plain; charset=utf-8",
     ".woff2": "font/woff2",
 }
-PACKED_ALREADY = frozenset({".woff2"})
+PACKED_ALREADY = frozenset({".png", ".woff2"})
 
 
 @dataclass(frozen=True, slots=True)

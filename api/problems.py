@@ -44,6 +44,8 @@ STATUS_BY_CODE: dict[str, int] = {
     "mesh.not_found": HTTPStatus.NOT_FOUND,
     "method.not_allowed": HTTPStatus.METHOD_NOT_ALLOWED,
     "output.not_found": HTTPStatus.NOT_FOUND,
+    "handbook.not_built": HTTPStatus.SERVICE_UNAVAILABLE,
+    "handbook.not_found": HTTPStatus.NOT_FOUND,
     "page.not_built": HTTPStatus.SERVICE_UNAVAILABLE,
     "process.not_found": HTTPStatus.NOT_FOUND,
     "quota.bytes": HTTPStatus.FORBIDDEN,

@@ -1,4 +1,6 @@
-"""Build the documentation site into out/docs from docs/, the process schemas and openapi/; a link that leads nowhere is an error.
+"""Build the documentation site into api/handbook, where the server takes it from; a link that leads nowhere is an error.
+
+Pages come from docs/, reference tables from the process schemas and openapi/.
 
 Nothing is fetched, and the pages fetch nothing: fonts are the reader's, scripts and styles lie in the folder.
 """
@@ -15,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 from scripts.handbook.stage import SITE, stage  # noqa: E402, as a program this file's folder is the path, not the tree's root
 
-OUT = ROOT / "out" / "docs"
+OUT = ROOT / "api" / "handbook"
 
 
 def build(pages: Path, out: Path) -> subprocess.CompletedProcess[str]:

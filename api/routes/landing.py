@@ -5,7 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from api.links import BASE, CONFORMANCE_RELATION, JOB_LIST_RELATION, OPENAPI_3_0, PROCESSES_RELATION, link
+from api.handbook_files import find_handbook
+from api.links import BASE, CONFORMANCE_RELATION, HANDBOOK, JOB_LIST_RELATION, OPENAPI_3_0, PROCESSES_RELATION, link
 from api.openapi import openapi_bytes
 from api.responses import problems
 from api.schemas.landing import Conformance, LandingPage
@@ -23,6 +24,8 @@ CONFORMANCE_CLASSES = tuple(
 @router.get("", operation_id="getLandingPage", responses=problems())
 def get_landing_page(request: Request) -> LandingPage:
     """Where everything is."""
+    told = link(request, HANDBOOK, "service-doc", media_type="text/html", title="Documentation")
+    documentation = (told,) if find_handbook() else ()
     return LandingPage(
         title="Integument",
         description="Mesh-processing server for computational human models: proven nested shells over a REST job queue",
@@ -35,6 +38,7 @@ def get_landing_page(request: Request) -> LandingPage:
             link(request, f"{BASE}/processes", PROCESSES_RELATION, title="Processes"),
             link(request, f"{BASE}/jobs", JOB_LIST_RELATION, title="Jobs"),
             link(request, f"{BASE}/meshes", "collection", title="Uploaded meshes"),
+            *documentation,
         ),
     )
 
