@@ -43,6 +43,11 @@ RUN --mount=type=cache,target=/uv-cache \
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Integument" \
       org.opencontainers.image.licenses="AGPL-3.0-or-later"
+# what gmsh, one of the two meshers, is linked with
+RUN apt-get update --quiet \
+    && apt-get install --yes --quiet --no-install-recommends \
+        libfontconfig1 libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1 \
+    && rm -rf /var/lib/apt/lists/*
 RUN install --directory --owner=10001 --group=10001 --mode=0700 /data
 COPY --from=build /opt/integument /opt/integument
 # the root file system is read-only: compiled kernels are kept with the data, everything passing goes to /tmp

@@ -14,14 +14,14 @@ from core.processes.outcome import Outcome
 from core.processes.proof import validate_once
 from core.processes.software import software_versions
 from core.processes.tissue_filling import (
-    REFERENCES,
-    SOFTWARE,
     draw_elements,
     fill_tissues,
     least_gap,
+    mesher_version,
     region_reports,
     require_known_tissues,
     tetrahedra_methods,
+    tetrahedra_references,
     tetrahedra_summary,
     write_volume,
 )
@@ -39,7 +39,7 @@ def run_tetrahedralize(
     """A volume mesh of all surfaces.
 
     Raises: InputError `tetrahedra.surfaces_unfit` with the report of what is wrong, `tetrahedra.no_room`, `tetrahedra.refused`,
-    `tetrahedra.unknown_tissue`, `package.*`; InternalError `tetrahedra.not_proven`.
+    `tetrahedra.unknown_tissue`, `package.*`; StateError `tetrahedra.no_mesher`; InternalError `tetrahedra.not_proven`.
     """
     source = load_surfaces(inputs, meshes, run.stage("load", 0.0, 0.03))
     require_known_tissues(inputs, list(source.meshes))
@@ -94,7 +94,7 @@ def _surface_report(inputs: TetrahedralizeInputs, source: LoadedSurfaces, before
         findings=before.findings,
         changes=source.changes,
         methods=tetrahedra_methods(inputs),
-        references=REFERENCES,
+        references=tetrahedra_references(inputs),
         parameters={**inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}), **source.sources},
-        software={**software_versions(), **SOFTWARE},
+        software={**software_versions(), **mesher_version(inputs)},
     )

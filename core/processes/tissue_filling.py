@@ -21,25 +21,27 @@ from core.reports.figures.figure import Figure
 from core.reports.palette import tissue_colours
 from core.schema.report import RegionReport
 from core.schema.tetrahedralize import TetrahedraParameters
-from core.tetrahedra.element_quality import quality, smallest_dihedral_deg, volumes
+from core.tetrahedra.element_quality import quality, radius_ratio, smallest_dihedral_deg, volumes
 from core.tetrahedra.fill import fill
 from core.tetrahedra.volume_mesh import VolumeMesh
 from core.validation.validate import Validation
 
 METHODS = (
-    "The space between the surfaces was filled with tetrahedra by TetGen [3]{shape}, without a vertex added on a surface. It was "
-    "checked that every face of every surface is a face of tetrahedra with its tissue inside and the tissue around it outside, "
+    "The space between the surfaces was filled with tetrahedra by {mesher} [3]{shape}, without a vertex added on a surface. It "
+    "was checked that every face of every surface is a face of tetrahedra with its tissue inside and the tissue around it outside, "
     "that tetrahedra meet face to face, that none is flat or inverted, and that those of each tissue add up to the volume "
     "between its surface and those inside."
 )
-REFERENCES = (
-    *VALIDATE_REFERENCES,
+TETGEN_REFERENCE = (
     "[3] H. Si, TetGen, a Delaunay-based quality tetrahedral mesh generator, ACM Transactions on Mathematical Software 41, 2015, "
-    "doi:10.1145/2629697",
+    "doi:10.1145/2629697"
+)
+GMSH_REFERENCE = (
+    "[3] C. Geuzaine, J.-F. Remacle, Gmsh: a 3-D finite element mesh generator with built-in pre- and post-processing "
+    "facilities, International Journal for Numerical Methods in Engineering 79, 2009, doi:10.1002/nme.2579"
 )
 MSH = OutputFile("msh", Path("volume.msh"), "application/x-gmsh", "volume.msh")
 VTU = OutputFile("vtu", Path("volume.vtu"), "application/x-vtu", "volume.vtu")
-SOFTWARE = {"tetgen": version("tetgen")}
 
 
 def require_known_tissues(asked: TetrahedraParameters, names: Sequence[str]) -> None:
@@ -61,11 +63,12 @@ def fill_tissues(
     surfaces: Mapping[str, Mesh], validation: Validation, asked: TetrahedraParameters, min_gap_mm: float
 ) -> VolumeMesh:
     """Needs: surfaces that `validation` found ready. Raises: InputError `tetrahedra.no_room`, `tetrahedra.refused`;
-    InternalError `tetrahedra.not_proven`."""
+    StateError `tetrahedra.no_mesher`; InternalError `tetrahedra.not_proven`."""
     return fill(
         surfaces,
         validation.nesting,
         gap_mm=least_gap(min_gap_mm, validation),
+        mesher=asked.mesher,
         radius_edge=asked.radius_edge,
         largest_mm3=asked.max_volume_mm3,
     )
@@ -97,9 +100,21 @@ def tetrahedra_summary(volume: VolumeMesh, regions: Mapping[str, RegionReport]) 
 
 
 def tetrahedra_methods(asked: TetrahedraParameters) -> str:
-    """Citable; numbers are those of `REFERENCES`."""
+    """Citable; numbers are those of `tetrahedra_references`."""
+    if asked.mesher == "gmsh":
+        return METHODS.format(mesher="gmsh", shape=" by Delaunay refinement, as fine as the surfaces around")
     ratio = f" with a ratio of circumradius to shortest edge of at most {asked.radius_edge or 0:g} where the surfaces allow it"
-    return METHODS.format(shape="" if asked.radius_edge is None else ratio)
+    return METHODS.format(mesher="TetGen", shape="" if asked.radius_edge is None else ratio)
+
+
+def tetrahedra_references(asked: TetrahedraParameters) -> tuple[str, ...]:
+    """Of the checks, and of the mesher."""
+    return (*VALIDATE_REFERENCES, GMSH_REFERENCE if asked.mesher == "gmsh" else TETGEN_REFERENCE)
+
+
+def mesher_version(asked: TetrahedraParameters) -> dict[str, str]:
+    """Its name and version, for the list of software."""
+    return {asked.mesher: version(asked.mesher)}
 
 
 def draw_elements(volume: VolumeMesh, tissues: Sequence[Tissue]) -> Figure:
@@ -110,7 +125,7 @@ def draw_elements(volume: VolumeMesh, tissues: Sequence[Tissue]) -> Figure:
 
 
 def _region_report(corners: NDArray[np.float64], tag: int) -> RegionReport:
-    shapes = quality(corners)
+    shapes, angles, ratios = quality(corners), smallest_dihedral_deg(corners), radius_ratio(corners)
     return RegionReport(
         region_tag=tag,
         tetrahedra=len(corners),
@@ -118,5 +133,8 @@ def _region_report(corners: NDArray[np.float64], tag: int) -> RegionReport:
         quality_minimum=float(shapes.min()),
         quality_percentile_1=float(np.percentile(shapes, 1)),
         quality_median=float(np.median(shapes)),
-        smallest_dihedral_deg=float(smallest_dihedral_deg(corners).min()),
+        smallest_dihedral_deg=float(angles.min()),
+        dihedral_percentile_1_deg=float(np.percentile(angles, 1)),
+        radius_ratio_minimum=float(ratios.min()),
+        radius_ratio_median=float(np.median(ratios)),
     )

@@ -60,7 +60,7 @@ _NEEDS: Mapping[str, _Need] = {
     "graft": _Need(400, 900, s=2.0, s_per_face=45e-6),
     "heal": _Need(200, 540, s=0.5, s_per_face=21e-6),
     "decimate": _Need(300, 590, s=1.0, s_per_face=26e-6),
-    "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=130e-6),
+    "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=160e-6),  # of gmsh, the slower mesher
     "detach": _Need(400, 900, s=12.0, s_per_face=30e-6),
     "separate": _Need(400, 850, s=3.0, s_per_face=130e-6),
     "segment": _Need(400, 800, s=3.0, s_per_face=60e-6),

@@ -117,6 +117,11 @@ class RegionReport(FrozenModel):
     quality_percentile_1: float
     quality_median: float
     smallest_dihedral_deg: float = Field(description="Smallest angle between two faces of a tetrahedron; 70.5 in the regular one")
+    dihedral_percentile_1_deg: float = Field(description="Smallest such angle of a tetrahedron: 1 of 100 have less")
+    radius_ratio_minimum: float = Field(
+        description="Three radii of the inscribed sphere over that of the circumscribed one, 1 in the regular tetrahedron"
+    )
+    radius_ratio_median: float
 
 
 class StepReport(FrozenModel):

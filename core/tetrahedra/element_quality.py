@@ -28,6 +28,18 @@ def quality(corners: Floats) -> Floats:
     return scaled
 
 
+def radius_ratio(corners: Floats) -> Floats:
+    """Three radii of the inscribed sphere over that of the circumscribed one: 1 for the regular tetrahedron, 0 if flat."""
+    a, b, c = (corners[:, corner] - corners[:, 0] for corner in (1, 2, 3))
+    ab, bc, ca = np.cross(a, b), np.cross(b, c), np.cross(c, a)
+    six_volumes = np.abs(np.einsum("ij,ij->i", ab, c))
+    twice_area = sum(np.linalg.norm(each, axis=1) for each in (ab, bc, ca, np.cross(b - a, c - a)))
+    squares = [np.einsum("ij,ij->i", each, each)[:, None] for each in (a, b, c)]
+    circle = np.linalg.norm(squares[0] * bc + squares[1] * ca + squares[2] * ab, axis=1)  # its radius times twelve volumes
+    scaled: Floats = 6.0 * six_volumes**2 / np.maximum(twice_area * circle, np.finfo(float).tiny)
+    return scaled
+
+
 def smallest_dihedral_deg(corners: Floats) -> Floats:
     """Smallest of the six angles between faces, in degrees; 70.5 for the regular tetrahedron."""
     normals = []

@@ -1,8 +1,9 @@
-"""Fill nested surfaces with tetrahedra by TetGen, and prove that it did."""
+"""Fill nested surfaces with tetrahedra by TetGen or gmsh, and prove that they did."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,15 @@ from numpy.typing import NDArray
 from core.errors import InputError
 from core.geometry.point_within import find_points_within
 from core.mesh import Mesh
+from core.tetrahedra.forked import Filling
+from core.tetrahedra.gmsh import run_gmsh
 from core.tetrahedra.prove_filled import prove_filled
 from core.tetrahedra.regions import spread_regions
-from core.tetrahedra.tetgen import Facets, Filling, run_tetgen
+from core.tetrahedra.spaces import find_pieces, find_spaces
+from core.tetrahedra.tetgen import Facets, run_tetgen
 from core.tetrahedra.volume_mesh import VolumeMesh
 
+Mesher = Literal["tetgen", "gmsh"]
 FIRST_REGION = 1  # TetGen takes 0 for none
 # How nearly in one plane faces must lie to be one facet to TetGen, in the order tried. Its own 1e-8 takes faces together that are
 # bent by what float32 can tell, loses the edge between them, and can only put a vertex on the surface; no one number suits all.
@@ -26,34 +31,62 @@ def fill(
     nesting: Mapping[str, str | None],
     *,
     gap_mm: float,
+    mesher: Mesher = "tetgen",
     radius_edge: float | None = None,
     largest_mm3: Mapping[str, float] | None = None,
 ) -> VolumeMesh:
     """Tetrahedra in all tissues, no vertex added on a surface.
 
     Needs:    surfaces closed, outward, free of intersections, `gap_mm` apart; nesting: name -> the surface around it.
-              radius_edge: largest ratio of circumradius to shortest edge, where the surfaces allow it; None: as they fall.
-              largest_mm3: name -> largest tetrahedron of that tissue, likewise.
+              radius_edge: for TetGen, largest ratio of circumradius to shortest edge, where the surfaces allow it; None: as they
+              fall. largest_mm3: name -> largest tetrahedron of that tissue, likewise.
     Promises: every face of every surface is a face of tetrahedra; all are right-handed; the volumes of each tissue add up to that
               between its surface and those inside. A cavity of a tissue belongs to the tissue around it, of the outermost to
               nobody. `region` counts the surfaces from 0, in their order.
-    Raises:   InputError `tetrahedra.no_room`, `tetrahedra.refused` with what TetGen said; InternalError `tetrahedra.not_proven`.
-    Source:   Si 2015, doi:10.1145/2629697.
+    Raises:   InputError `tetrahedra.no_room`, `tetrahedra.refused` with what the mesher said; StateError
+              `tetrahedra.no_mesher`; InternalError `tetrahedra.not_proven`.
+    Source:   Si 2015, doi:10.1145/2629697; Geuzaine and Remacle 2009, doi:10.1002/nme.2579.
     """
+    vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])
+    limits = largest_mm3 or {}
+    if mesher == "gmsh":
+        made = _by_gmsh(vertices, surfaces, nesting, limits)
+    else:
+        made = _by_tetgen(vertices, surfaces, nesting, gap_mm, radius_edge, limits)
+    known = (made.region >= 0) & (made.region < len(surfaces))  # what is left is the air in cavities of the outermost
+    volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), made.region[known])
+    prove_filled(volume, surfaces, nesting)
+    return volume
+
+
+def _by_gmsh(
+    vertices: NDArray[np.float64],
+    surfaces: Mapping[str, Mesh],
+    nesting: Mapping[str, str | None],
+    limits: Mapping[str, float],
+) -> Filling:
+    pieces = find_pieces(surfaces)
+    largest = {number: limits[name] for number, name in enumerate(surfaces) if name in limits}
+    return run_gmsh(vertices, pieces, find_spaces(vertices, pieces, surfaces, nesting), largest)
+
+
+def _by_tetgen(
+    vertices: NDArray[np.float64],
+    surfaces: Mapping[str, Mesh],
+    nesting: Mapping[str, str | None],
+    gap_mm: float,
+    radius_edge: float | None,
+    limits: Mapping[str, float],
+) -> Filling:
     names = list(surfaces)
     points, region = _region_points(surfaces, nesting, gap_mm)
-    limits = largest_mm3 or {}
     largest = np.array([limits.get(names[number], 0.0) for number in region])
     first_vertex = np.cumsum([0, *(len(mesh.vertices) for mesh in surfaces.values())])
-    vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])
     faces = np.vstack([mesh.faces + np.int32(start) for mesh, start in zip(surfaces.values(), first_vertex, strict=False)])
     switches = f"pYY{'' if radius_edge is None else f'q{radius_edge:g}'}{'a' if limits else ''}AQ"
     made = _fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches)
-    number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - FIRST_REGION
-    known = (number >= 0) & (number < len(names))  # what is left is the air in cavities of the outermost
-    volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), number[known])
-    prove_filled(volume, surfaces, nesting)
-    return volume
+    number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - np.int32(FIRST_REGION)
+    return Filling(made.nodes, made.tetrahedra, number)
 
 
 def _fill_facets(facets: Facets, switches: str) -> Filling:

@@ -49,7 +49,7 @@ def test_ears_tissues_and_steps_are_sent_as_typed(state: State, files: dict[str,
         *("--tissue", f"skull={files['skull']}", "--tissue", f"brain={files['brain']}"),
         *("--inside", "brain=skull", "--conductivity", "brain=0.33"),
         *("--detach", "arm:1,2,3:4,5,6", "--smooth", "--tissue-gap", "0.2"),
-        *("--radius-edge", "0", "--max-volume", "fat=5", "--skin-shift", "1"),
+        *("--mesher", "tetgen", "--radius-edge", "0", "--max-volume", "fat=5", "--skin-shift", "1"),
     )
     assert (inputs["ears"], inputs["heal"], inputs["decimate"]) == ("auto", None, {"target_ratio": 0.5})
     assert [tissue["name"] for tissue in inputs["tissues"]] == ["skull", "brain"]
@@ -59,7 +59,7 @@ def test_ears_tissues_and_steps_are_sent_as_typed(state: State, files: dict[str,
         "inside": "skull",
         "conductivity_s_per_m": 0.33,
     }
-    assert inputs["tetrahedra"] == {"radius_edge": None, "max_volume_mm3": {"fat": 5.0}}
+    assert inputs["tetrahedra"] == {"mesher": "tetgen", "radius_edge": None, "max_volume_mm3": {"fat": 5.0}}
     assert inputs["detach"] == {"regions": [{"name": "arm", "box_mm": {"min": [1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.0]}}]}
     assert inputs["smooth"] == {"retriangulate": True, "max_shift_mm": 1.0}
     assert inputs["separate"] == {"gap_mm": 0.2}
@@ -76,6 +76,7 @@ def test_ears_tissues_and_steps_are_sent_as_typed(state: State, files: dict[str,
         (["--conductivity", "brain=much"], "is no number"),
         (["--no-separate", "--tissue-gap", "1"], "does not go with --no-separate"),
         (["--decimate", "0.5", "--faces", "100"], "give one"),
+        (["--no-tetrahedra", "--mesher", "gmsh"], "do not go with --no-tetrahedra"),
         (["--no-tetrahedra", "--radius-edge", "2"], "do not go with --no-tetrahedra"),
         (["--ears", "auto", "--ears", "a:1,2,3:4,5,6"], "does not go with boxes"),
     ],

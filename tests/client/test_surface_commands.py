@@ -93,9 +93,22 @@ def test_what_separate_does_not_understand_is_not_sent(state: State, files: dict
 
 
 def test_options_of_tetrahedralize(state: State, files: dict[str, str]) -> None:
-    inputs = sent(state, "tetrahedralize", PACKAGE, "--radius-edge", "0", "--max-volume", "fat=2.5", "--max-volume", "skin=1")
+    inputs = sent(
+        state,
+        "tetrahedralize",
+        PACKAGE,
+        "--mesher",
+        "tetgen",
+        "--radius-edge",
+        "0",
+        "--max-volume",
+        "fat=2.5",
+        "--max-volume",
+        "skin=1",
+    )
     assert inputs == {
         "package": {"href": PACKAGE},
+        "mesher": "tetgen",
         "radius_edge": None,
         "max_volume_mm3": {"fat": 2.5, "skin": 1.0},
     }

@@ -52,6 +52,10 @@ BlendOption: TypeAlias = Annotated[
 ThinPolicyOption: TypeAlias = Annotated[
     Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
 ]
+MesherOption: TypeAlias = Annotated[
+    Literal["tetgen", "gmsh"] | None,
+    typer.Option(help="Who makes the tetrahedra; default tetgen. gmsh takes longer and leaves fewer flat ones."),
+]
 MinGapOption: TypeAlias = Annotated[
     float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two surfaces; default is the server's.")
 ]

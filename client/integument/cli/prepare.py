@@ -26,6 +26,7 @@ from integument.cli.options import (
     EarDepthOption,
     GenerateCanalsOption,
     LayerOption,
+    MesherOption,
     MinGapOption,
     OuterLayerOption,
     PackageOption,
@@ -99,6 +100,7 @@ def prepare(
     tetrahedra: Annotated[
         bool, typer.Option("--tetrahedra/--no-tetrahedra", help="Fill all tissues with tetrahedra, or stop at surfaces.")
     ] = True,
+    mesher: MesherOption = None,
     radius_edge: Annotated[
         float | None,
         typer.Option(metavar="RATIO", help="Largest ratio of circumradius to shortest edge, 1.1 to 10; default 2, 0 for none."),
@@ -118,8 +120,10 @@ def prepare(
 ) -> None:
     """Prepare a model: heal, decimate, detach, smooth, ears, layers, tissues, proof, tetrahedra, package; in one job."""
     options = options_of(ctx)
-    if not tetrahedra and (radius_edge is not None or max_volume or volume is not None):
-        raise ArgumentError("--radius-edge, --max-volume and --volume are about tetrahedra; they do not go with --no-tetrahedra")
+    if not tetrahedra and (mesher or radius_edge is not None or max_volume or volume is not None):
+        raise ArgumentError(
+            "--mesher, --radius-edge, --max-volume and --volume are about tetrahedra; they do not go with --no-tetrahedra"
+        )
     if ratio is not None and faces is not None:
         raise ArgumentError("--decimate and --faces both say how far to thin out; give one")
     if not separate and tissue_gap is not None:
@@ -144,7 +148,7 @@ def prepare(
         inputs["ear_depths_mm"] = read_depths(ear_depth, "--ear-depth")
     if region:
         inputs["regions"] = [read_region(text).as_input() for text in region]
-    asked = _tetrahedra(radius_edge, max_volume or [])
+    asked = _tetrahedra(mesher, radius_edge, max_volume or [])
     numbers = {"blend_mm": blend, "min_gap_mm": min_gap, "skin_shift_mm": skin_shift, "tetrahedra": asked or None}
     inputs |= {name: value for name, value in numbers.items() if value is not None}
     files = {"package": output, "vtu" if volume and volume.suffix == ".vtu" else "msh": volume, "steps": record}
@@ -167,8 +171,9 @@ def prepare(
         raise typer.Exit(run_to_end(session, options, "prepare", inputs, wanted))
 
 
-def _tetrahedra(radius_edge: float | None, max_volume: list[str]) -> dict[str, Any]:
-    asked: dict[str, Any] = {} if radius_edge is None else {"radius_edge": radius_edge or None}
+def _tetrahedra(mesher: str | None, radius_edge: float | None, max_volume: list[str]) -> dict[str, Any]:
+    asked: dict[str, Any] = {} if mesher is None else {"mesher": mesher}
+    asked |= {} if radius_edge is None else {"radius_edge": radius_edge or None}
     return asked | ({"max_volume_mm3": read_volumes(max_volume)} if max_volume else {})
 
 

@@ -19,6 +19,7 @@ from integument.cli.layer_text import (
     read_volumes,
 )
 from integument.cli.options import (
+    MesherOption,
     MinGapOption,
     PackageOption,
     ReportOption,
@@ -204,6 +205,7 @@ def tetrahedralize(
     ctx: typer.Context,
     surfaces: SurfacesArgument,
     unit: UnitOption = "mm",
+    mesher: MesherOption = None,
     radius_edge: Annotated[
         float | None,
         typer.Option(metavar="RATIO", help="Largest ratio of circumradius to shortest edge, 1.1 to 10; default 2, 0 for none."),
@@ -216,7 +218,7 @@ def tetrahedralize(
     report: ReportOption = None,
 ) -> None:
     """Fill closed surfaces with tetrahedra, one region per tissue."""
-    inputs = _given(max_volume_mm3=read_volumes(max_volume or []) or None, min_gap_mm=min_gap)
+    inputs = _given(mesher=mesher, max_volume_mm3=read_volumes(max_volume or []) or None, min_gap_mm=min_gap)
     if radius_edge is not None:
         inputs["radius_edge"] = radius_edge or None
     _run(ctx, "tetrahedralize", surfaces, unit, inputs, output, report, "vtu" if output and output.suffix == ".vtu" else "msh")

@@ -18,7 +18,7 @@ from core.processes.outcome import Outcome, OutputFile
 from core.processes.preparation.step_log import StepLog
 from core.processes.software import software_versions
 from core.processes.surface_package import in_nesting_order
-from core.processes.tissue_filling import MSH, SOFTWARE, write_volume
+from core.processes.tissue_filling import MSH, mesher_version, write_volume
 from core.processes.written_surfaces import require_unchanged
 from core.reports.figures.compose import draw_shell_figures
 from core.reports.steps import joined_methods
@@ -123,6 +123,7 @@ def _report(made: Prepared, log: StepLog) -> Report:
     steps = log.reports()
     methods, references = joined_methods(steps)
     order = [tissue.name for tissue in made.tissues]
+    filled = made.inputs.tetrahedra
     return Report(
         process="prepare",
         verdict=made.validation.verdict,
@@ -141,7 +142,7 @@ def _report(made: Prepared, log: StepLog) -> Report:
         methods=methods,
         references=references,
         parameters=dict(made.parameters),
-        software=software_versions() if made.volume is None else {**software_versions(), **SOFTWARE},
+        software={**software_versions(), **({} if filled is None or made.volume is None else mesher_version(filled))},
     )
 
 

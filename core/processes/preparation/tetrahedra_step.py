@@ -8,11 +8,11 @@ from core.mesh import Mesh
 from core.package.tissue import Tissue
 from core.processes.preparation.step_log import STEPS, StepLog
 from core.processes.tissue_filling import (
-    REFERENCES,
     draw_elements,
     fill_tissues,
     region_reports,
     tetrahedra_methods,
+    tetrahedra_references,
     tetrahedra_summary,
 )
 from core.schema.prepare import PrepareInputs
@@ -26,7 +26,8 @@ def fill_all(
 ) -> tuple[VolumeMesh | None, dict[str, RegionReport]]:
     """None if nobody asked. Regions are numbered as the tissues are ordered.
 
-    Raises: InputError `tetrahedra.no_room`, `tetrahedra.refused`; InternalError `tetrahedra.not_proven`.
+    Raises: InputError `tetrahedra.no_room`, `tetrahedra.refused`; StateError `tetrahedra.no_mesher`;
+    InternalError `tetrahedra.not_proven`.
     """
     asked = inputs.tetrahedra
     if asked is None:
@@ -51,7 +52,7 @@ def fill_all(
                 "vertices added": len(volume.vertices) - sum(len(mesh.vertices) for mesh in surfaces.values()),
             },
             methods=tetrahedra_methods(asked),
-            references=REFERENCES,
+            references=tetrahedra_references(asked),
         ),
         draw=lambda _surfaces: (draw_elements(volume, tissues),),
     )

@@ -3,20 +3,24 @@
 import meshio
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from core.errors import InputError
 from core.package.build import build_package
+from core.schema.tetrahedralize import TetrahedralizeInputs
 from tests.core.package.nested import figures, report, tissues
 from tests.core.processes.test_surface_processes import executed, href, of_one, of_package, stored
 from tests.gmsh_reader import sizes_in_gmsh
 from tests.solids import cube, sphere, without_faces
 
 
-@pytest.fixture(scope="module")
-def done(tmp_path_factory):
+@pytest.fixture(scope="module", params=["tetgen", "gmsh"])
+def done(tmp_path_factory, request):
     folder = tmp_path_factory.mktemp("tetrahedra")
     build_package(folder / "package.zip", tissues(), report(), figures())
-    return of_package("tetrahedralize", folder, folder / "package.zip", max_volume_mm3={"average_body": 5.0})
+    return of_package(
+        "tetrahedralize", folder, folder / "package.zip", mesher=request.param, max_volume_mm3={"average_body": 5.0}
+    )
 
 
 def test_the_msh_has_surfaces_and_regions_by_number(done):
@@ -46,9 +50,14 @@ def test_the_report_has_a_row_per_tissue(done):
     assert all(
         0 < region.quality_minimum <= region.quality_percentile_1 <= region.quality_median <= 1 for region in regions.values()
     )
+    assert all(0 < region.radius_ratio_minimum <= region.radius_ratio_median <= 1 for region in regions.values())
+    assert all(0 < region.smallest_dihedral_deg <= region.dihedral_percentile_1_deg < 70.6 for region in regions.values())
     page = done["files"]["report_html"].read_text(encoding="utf-8")
     assert "Tetrahedra" in page
     assert done["verdict"] == "simulation_ready"
+    mesher = done["report"].parameters["mesher"]
+    assert mesher in done["report"].software
+    assert mesher in done["report"].methods.lower()
 
 
 def test_one_surface_alone(tmp_path):
@@ -61,6 +70,7 @@ def test_one_surface_alone(tmp_path):
     [
         ({"a": without_faces(cube(10.0), [0])}, "mesh.not_closed"),
         ({"a": sphere(5.0, 2), "b": sphere(5.0, 2, at=(4.0, 0.3, 0.2))}, "pair.intersecting"),
+        ({"a": cube(10.0), "b": cube(10.0, at=(10.0, 0.0, 0.0))}, "pair.intersecting"),
     ],
 )
 def test_unfit_surfaces_are_refused_with_the_faces(tmp_path, meshes, finding):
@@ -70,7 +80,13 @@ def test_unfit_surfaces_are_refused_with_the_faces(tmp_path, meshes, finding):
         executed("tetrahedralize", tmp_path, inputs, entries)
     assert error.value.code == "tetrahedra.surfaces_unfit"
     assert finding in {found.code for found in error.value.findings}
+    assert all(found.places for found in error.value.findings)
     assert error.value.outputs
+
+
+def test_the_ratio_of_radii_is_tetgens_alone():
+    with pytest.raises(ValidationError, match="radius_edge is TetGen's"):
+        TetrahedralizeInputs.model_validate({"mesh": {"href": href(0)}, "mesher": "gmsh", "radius_edge": 1.2})
 
 
 def test_a_tissue_that_is_not_there_is_named(tmp_path):

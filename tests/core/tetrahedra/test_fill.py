@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from core.errors import InputError, InternalError
 from core.mesh import Mesh
@@ -19,9 +20,14 @@ SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.
 NESTING = {"outer": None, "inner": "outer", "core": "inner"}
 
 
+@pytest.fixture(scope="module", params=["tetgen", "gmsh"])
+def mesher(request):
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def filled():
-    return fill(SURFACES, NESTING, gap_mm=0.5)
+def filled(mesher):
+    return fill(SURFACES, NESTING, gap_mm=0.5, mesher=mesher)
 
 
 def test_every_tissue_has_its_volume(filled):
@@ -35,41 +41,48 @@ def test_vertices_of_the_surfaces_come_first_and_unchanged(filled):
     np.testing.assert_array_equal(filled.vertices[: len(given)], given)
 
 
-def test_a_better_shape_takes_more_tetrahedra(filled):
+def test_the_same_comes_of_the_same(filled, mesher):
+    again = fill(SURFACES, NESTING, gap_mm=0.5, mesher=mesher)
+    np.testing.assert_array_equal(again.vertices, filled.vertices)
+    np.testing.assert_array_equal(again.tetrahedra, filled.tetrahedra)
+
+
+def test_a_better_shape_takes_more_tetrahedra():
+    filled = fill(SURFACES, NESTING, gap_mm=0.5)
     better = fill(SURFACES, NESTING, gap_mm=0.5, radius_edge=1.1)
     assert len(better.tetrahedra) > len(filled.tetrahedra)
     inner = [np.median(quality(each.corners()[each.region == 1])) for each in (filled, better)]
     assert inner[1] > inner[0]
 
 
-def test_a_largest_volume_makes_its_tissue_finer_and_no_other():
+def test_a_largest_volume_makes_its_tissue_finer_and_no_other(mesher):
     surfaces = {"outer": SURFACES["outer"], "inner": sphere(8.0, 3)}
     nesting = {"outer": None, "inner": "outer"}
-    coarse = fill(surfaces, nesting, gap_mm=0.5, radius_edge=2.0)
-    fine = fill(surfaces, nesting, gap_mm=0.5, radius_edge=2.0, largest_mm3={"inner": 0.5})
+    coarse = fill(surfaces, nesting, gap_mm=0.5, mesher=mesher, radius_edge=2.0)
+    fine = fill(surfaces, nesting, gap_mm=0.5, mesher=mesher, radius_edge=2.0, largest_mm3={"inner": 0.25})
     assert (fine.region == 1).sum() > 3 * (coarse.region == 1).sum()
     assert (fine.region == 0).sum() < 1.1 * (coarse.region == 0).sum()
-    assert np.median(volumes(fine.corners())[fine.region == 1]) <= 0.5
+    assert np.median(volumes(fine.corners())[fine.region == 1]) <= 0.25
 
 
-def test_siblings_and_pieces_share_the_tissue_around_them():
+def test_siblings_and_pieces_share_the_tissue_around_them(mesher):
     surfaces = {
         "outer": cube(40.0),
         "pair": together(sphere(3.0, 1, at=(10.0, 10.0, 10.0)), sphere(3.0, 1, at=(30.0, 10.0, 10.0))),
         "third": sphere(2.0, 1, at=(20.0, 10.0, 10.0)),
     }
-    volume = fill(surfaces, {"outer": None, "pair": "outer", "third": "outer"}, gap_mm=0.5)
+    volume = fill(surfaces, {"outer": None, "pair": "outer", "third": "outer"}, gap_mm=0.5, mesher=mesher)
     assert np.bincount(volume.region, weights=volumes(volume.corners()))[0] == pytest.approx(
         64000 - mesh_volume(surfaces["pair"]) - mesh_volume(surfaces["third"])
     )
 
 
-def test_a_cavity_belongs_to_the_tissue_around_or_to_nobody():
+def test_a_cavity_belongs_to_the_tissue_around_or_to_nobody(mesher):
     hollow = sphere(4.0, 2)
     surfaces = {"outer": SURFACES["outer"], "hollow": together(hollow, flipped(sphere(2.0, 1)))}
-    volume = fill(surfaces, {"outer": None, "hollow": "outer"}, gap_mm=0.5)
+    volume = fill(surfaces, {"outer": None, "hollow": "outer"}, gap_mm=0.5, mesher=mesher)
     assert np.linalg.norm(volume.corners().mean(axis=1), axis=1)[volume.region == 0].min() < 2.0
-    alone = fill({"hollow": surfaces["hollow"]}, {"hollow": None}, gap_mm=0.5)
+    alone = fill({"hollow": surfaces["hollow"]}, {"hollow": None}, gap_mm=0.5, mesher=mesher)
     assert volumes(alone.corners()).sum() == pytest.approx(mesh_volume(hollow) - mesh_volume(sphere(2.0, 1)))
 
 
@@ -78,6 +91,15 @@ def test_crossing_surfaces_are_refused_by_name_and_the_caller_lives():
     with pytest.raises(InputError) as error:
         fill(crossing, {"a": None, "b": None}, gap_mm=0.5)
     assert error.value.code == "tetrahedra.refused"
+
+
+def test_gmsh_fills_a_flat_side_cut_anyhow_that_tetgen_would_put_a_vertex_on():
+    surfaces = {"box": flat_box_cut_anyhow(seed=9), "ball": sphere(10.0, 2)}
+    nesting = {"box": None, "ball": "box"}
+    with pytest.raises(InputError) as error:
+        fill(surfaces, nesting, gap_mm=0.1)
+    assert error.value.code == "tetrahedra.refused"
+    assert np.unique(fill(surfaces, nesting, gap_mm=0.1, mesher="gmsh").region).tolist() == [0, 1]
 
 
 def test_what_is_too_thin_for_a_point_is_refused():
@@ -108,6 +130,26 @@ def test_the_proof_finds_what_is_wrong(filled, change, word):
     with pytest.raises(InternalError, match=word) as error:
         prove_filled(change(filled), SURFACES, NESTING)
     assert error.value.code == "tetrahedra.not_proven"
+
+
+def flat_box_cut_anyhow(seed: int) -> Mesh:
+    """A tilted box whose flat sides are cut into triangles at random."""
+    random = np.random.default_rng(seed)
+    box = trimesh.creation.box((40.0, 40.0, 40.0)).subdivide().subdivide()
+    vertices, faces = np.array(box.vertices), np.array(box.faces)
+    for _ in range(300):
+        first, corner = random.integers(len(faces)), random.integers(3)
+        a, b, c = np.roll(faces[first], -corner)
+        beside = (np.isin(faces, (a, b)).sum(axis=1) == 2) & (np.arange(len(faces)) != first)
+        second = int(np.flatnonzero(beside)[0])
+        d = next(each for each in faces[second] if each not in (a, b))
+        at = vertices
+        normal = np.cross(at[b] - at[a], at[c] - at[a])
+        turns = [np.cross(at[d] - at[c], at[b] - at[c]) @ normal, np.cross(at[a] - at[c], at[d] - at[c]) @ normal]
+        if min(turns) > 1e-9 and abs(normal @ (at[d] - at[a])) < 1e-9:  # convex and flat: the other diagonal does, too
+            faces[first], faces[second] = (c, d, b), (d, c, a)
+    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    return Mesh.of(vertices @ (turn * np.linalg.det(turn)), faces).rounded_to_float32()
 
 
 def mesh_volume(mesh: Mesh) -> float:
