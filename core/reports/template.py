@@ -24,6 +24,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        auto_reload=False,  # of one version with the code that is loaded, also while a server is being upgraded
     )
     for word in (
         "whole",

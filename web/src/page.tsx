@@ -7,6 +7,7 @@ import { JobPage } from "./pages/job";
 import { JobsPage } from "./pages/jobs";
 import { MeshesPage } from "./pages/meshes";
 import { NewJobPage } from "./pages/new_job";
+import { DocumentationLink } from "./parts/documentation_link";
 import { KeyDialog, useKeyDialog } from "./parts/key_dialog";
 import { ServerBanner, useServerState } from "./parts/server_state";
 import { ThemeChoice } from "./parts/theme_choice";
@@ -84,6 +85,7 @@ export function Page() {
       <main ref={main} tabIndex={-1}>
         <Body place={place} key={key.version} />
       </main>
+      <DocumentationLink key={key.version} />
       <KeyDialog {...key} />
     </>
   );
