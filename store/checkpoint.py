@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, delete, or_, select
+from sqlalchemy import ColumnElement, delete, exists, or_, select
 from sqlalchemy.orm import Session
 
-from store.records import JobCheckpointRow, JobRow
+from store.job import JobStatus
+from store.records import JobCheckpointRow, JobInputRow, JobRow
+
+CORRECTED = 8  # failed requests that one may go on from
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,13 +24,32 @@ class Checkpoint:
 
 
 def of_same_request(row: JobRow) -> ColumnElement[bool]:
-    """The checkpoints a job may use: its own, and those of jobs of its workspace that asked for the very same.
-
-    No others: a child reads hostile files, and what it kept must not reach a request that never saw them."""
+    """The checkpoints of a job, and of jobs of its workspace that asked for the very same."""
     if row.fingerprint is None:  # accepted by an older server
         return JobCheckpointRow.job_id == row.id
     alike = select(JobRow.id).where(JobRow.workspace == row.workspace, JobRow.fingerprint == row.fingerprint)
     return or_(JobCheckpointRow.job_id == row.id, JobCheckpointRow.job_id.in_(alike))
+
+
+def usable_by(row: JobRow) -> ColumnElement[bool]:
+    """The checkpoints a job may use: those of the same request, and those of jobs it corrects: of its workspace and process,
+    failed, and with no file that it does not read itself.
+
+    No others: a child reads hostile files, and what it kept must not reach a request that never saw them. Only the last
+    `CORRECTED` of them, since all are fetched before it is known which fit."""
+    read = {mesh.sha256 for mesh in row.mesh_inputs}
+    if not read:
+        return of_same_request(row)
+    has_steps = exists().where(JobCheckpointRow.job_id == JobRow.id)
+    other_file = exists().where(JobInputRow.job_id == JobRow.id, JobInputRow.sha256.not_in(read))
+    corrected = (
+        select(JobRow.id)
+        .where(JobRow.workspace == row.workspace, JobRow.process == row.process, JobRow.status == JobStatus.FAILED)
+        .where(has_steps, exists().where(JobInputRow.job_id == JobRow.id), ~other_file)
+        .order_by(JobRow.finished_at.desc())
+        .limit(CORRECTED)
+    )
+    return or_(of_same_request(row), JobCheckpointRow.job_id.in_(corrected))
 
 
 def forget_checkpoints(session: Session, row: JobRow, *, of_all: bool) -> None:

@@ -7,7 +7,7 @@ from datetime import timedelta
 from sqlalchemy import delete, func, select
 
 from store.blobs import require_digest
-from store.checkpoint import Checkpoint, of_same_request
+from store.checkpoint import Checkpoint, usable_by
 from store.database import Database
 from store.job import JobStatus
 from store.records import JobCheckpointRow, JobRow
@@ -31,7 +31,7 @@ class Checkpoints:
             row = session.get(JobRow, job_id)
             if row is None:
                 return ()
-            query = select(JobCheckpointRow).where(of_same_request(row))
+            query = select(JobCheckpointRow).where(usable_by(row))
             rows = session.scalars(query.order_by(JobCheckpointRow.created_at, JobCheckpointRow.key)).all()
             found = {row.key: Checkpoint(row.key, row.stage, row.sha256, row.size) for row in rows}
             return tuple(found.values())

@@ -11,7 +11,7 @@ from sqlalchemy import update
 
 from core.errors import InputError, InternalError
 from store.blobs import Blobs
-from store.checkpoint import Checkpoint
+from store.checkpoint import CORRECTED, Checkpoint
 from store.checkpoints import MOST, Checkpoints
 from store.database import Database
 from store.job import Job, JobFailure, MeshInput
@@ -71,6 +71,38 @@ def test_a_request_is_the_same_by_content_not_by_link(jobs: Jobs, checkpoints: C
     assert checkpoints.keep(first.id, first.lease_token, step(1))
     assert checkpoints.of(job("/v1/meshes/b", "1").id) == (step(1),)
     assert checkpoints.of(job("/v1/meshes/a", "2").id) == ()
+
+
+def test_a_corrected_request_goes_on_from_the_one_that_failed(jobs: Jobs, checkpoints: Checkpoints) -> None:
+    def job(digits: str, depth: int, process: str = "prepare") -> Job:
+        meshes = [mesh(f"/v1/meshes/{digit}", digit) for digit in digits]
+        made = jobs.create(DEFAULT_WORKSPACE, process, {"depth": depth}, mesh_inputs=meshes)
+        claimed = jobs.claim(made.id, 1, "host:1", 30)
+        assert claimed is not None
+        return claimed
+
+    first = job("12", 1)
+    assert checkpoints.keep(first.id, first.lease_token, step(1))
+    assert checkpoints.of(job("12", 2).id) == (), "it may still succeed"
+    jobs.fail(first.id, first.lease_token, REFUSED)
+    assert checkpoints.of(job("12", 2).id) == checkpoints.of(job("123", 2).id) == (step(1),)
+    assert checkpoints.of(job("13", 2).id) == (), "it never saw the file 2"
+    assert checkpoints.of(job("12", 2, "shells").id) == ()
+    second = job("12", 3)
+    assert checkpoints.keep(second.id, second.lease_token, step(2))
+    assert jobs.finish(second.id, second.lease_token, verdict="simulation_ready", summary="", outputs={}, timings_s={})
+    assert checkpoints.of(job("12", 4).id) == (step(1),), "of another request: it may be corrected in another way, too"
+
+
+def test_only_the_last_failures_are_gone_on_from(jobs: Jobs, checkpoints: Checkpoints) -> None:
+    for number in range(CORRECTED + 2):
+        made = jobs.create(DEFAULT_WORKSPACE, "prepare", {"depth": number}, mesh_inputs=[mesh("/v1/meshes/1", "1")])
+        job = jobs.claim(made.id, 1, "host:1", 30)
+        assert job is not None
+        assert checkpoints.keep(job.id, job.lease_token, step(number))
+        jobs.fail(job.id, job.lease_token, REFUSED)
+    last = jobs.create(DEFAULT_WORKSPACE, "prepare", {"depth": -1}, mesh_inputs=[mesh("/v1/meshes/1", "1")])
+    assert checkpoints.of(last.id) == tuple(step(number) for number in range(2, CORRECTED + 2))
 
 
 def test_who_lost_the_lease_keeps_nothing(jobs: Jobs, checkpoints: Checkpoints) -> None:
