@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,7 +15,7 @@ from api.violations import ViolationsError
 from core.errors import InputError
 from core.schema.model import FrozenModel
 from core.schema.processes import ProcessDescription
-from core.schema.reference import MeshReference, PackageReference, VolumeReference
+from core.schema.reference import CoilReference, FieldReference, MeshReference, PackageReference, VolumeReference
 from core.schema.segment import SegmentInputs
 from core.schema.surfaces import SurfacesInputs
 from store.job import MeshInput
@@ -61,7 +61,12 @@ def resolve_meshes(services: Services, workspace: WorkspaceId, inputs: FrozenMod
     Raises InputError `reference.*`."""
     wanted = dict.fromkeys((path_of(reference.href), type(reference)) for reference in references_in(inputs))
     of = services.mesh_inputs
-    resolve = {PackageReference: of.resolve_package, VolumeReference: of.resolve_volume}
+    resolve: dict[type[MeshReference], Callable[[WorkspaceId, str], MeshInput]] = {
+        PackageReference: of.resolve_package,
+        VolumeReference: of.resolve_volume,
+        FieldReference: of.resolve_field,
+        CoilReference: of.resolve_coil,
+    }
     meshes = [resolve.get(kind, of.resolve)(workspace, href) for href, kind in wanted]
     return _with_paths(_stored(inputs, inputs.model_dump(mode="json"))), meshes
 

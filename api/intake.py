@@ -39,10 +39,18 @@ def require_unit(received: ReceivedFile) -> str:
 
 
 def require_mesh(record: MeshRecord) -> None:
-    """Raises InputError `mesh.is_a_volume` if the upload is a label volume, which has no triangles yet."""
+    """Raises InputError `mesh.is_a_volume`, `mesh.is_a_field`, `mesh.is_a_coil` if the upload is no surface."""
     if record.volume is not None:
         raise InputError(
             "mesh.is_a_volume", f"'{record.name}' is a label volume, not a mesh; `segment` makes surfaces of it", mesh=record.id
+        )
+    if record.field is not None:
+        raise InputError(
+            "mesh.is_a_field", f"'{record.name}' is a field, not a mesh; `fields` brings it onto surfaces", mesh=record.id
+        )
+    if record.coil is not None:
+        raise InputError(
+            "mesh.is_a_coil", f"'{record.name}' is a coil, not a mesh; `fields` draws it beside surfaces", mesh=record.id
         )
 
 
@@ -74,4 +82,6 @@ def parse(services: Services, received: ReceivedFile, unit: str, folder: Path) -
         findings=tuple(told["findings"]),
         arrays=tuple(mesh["arrays"]),
         volume=told.get("volume"),
+        field=told.get("field"),
+        coil=told.get("coil"),
     )

@@ -28,6 +28,8 @@ def describe_mesh(request: Request, record: MeshRecord) -> MeshInfo:
             "extents_mm": record.extents_mm,
             "arrays": record.arrays,
             "volume": record.volume,
+            "field": record.field,
+            "coil": record.coil,
             "findings": record.findings,
             "created": record.created_at,
             "links": (

@@ -9,7 +9,15 @@ from pathlib import PurePath
 from typing import Any
 
 from core.errors import InputError, StateError
-from core.schema.reference import MESH_HREF, MESH_MEDIA_TYPES, PACKAGE_MEDIA_TYPES, RESULT_HREF, VOLUME_MEDIA_TYPE
+from core.schema.reference import (
+    COIL_MEDIA_TYPE,
+    FIELD_MEDIA_TYPE,
+    MESH_HREF,
+    MESH_MEDIA_TYPES,
+    PACKAGE_MEDIA_TYPES,
+    RESULT_HREF,
+    VOLUME_MEDIA_TYPE,
+)
 from store.blobs import Blobs
 from store.database import Database
 from store.job import JobOutput, JobStatus, MeshInput
@@ -19,6 +27,7 @@ from store.workspace import WorkspaceId
 
 STL_HEADER_BYTES, STL_FACE_BYTES = 84, 50
 PACKED_FACE_BYTES = 100  # measured 110 to 170: STL and solver files of every surface, deflated
+NUMBERS_PER_FACE = 10  # of a field: measured, it needs about as much as the surface it is brought onto by so many numbers a face
 VOXELS_PER_FACE = 20  # measured: filters take about 40 bytes for each voxel around a label
 
 _HREF = re.compile(rf"(?:https?://[^/]+)?(?P<path>{MESH_HREF}|{RESULT_HREF})")
@@ -64,6 +73,24 @@ class MeshInputs:
             )
         return volume
 
+    def resolve_field(self, workspace: WorkspaceId, href: str) -> MeshInput:
+        """The field behind a link, kept as long as a mesh.
+
+        Raises InputError as `resolve`, with `reference.not_a_field` if that upload is something else."""
+        field = self._find(workspace, href)
+        if field.media_type != FIELD_MEDIA_TYPE:
+            raise InputError("reference.not_a_field", f"'{field.file_name}' is {field.media_type}, not a field", href=href)
+        return field
+
+    def resolve_coil(self, workspace: WorkspaceId, href: str) -> MeshInput:
+        """The coil behind a link, kept as long as a mesh.
+
+        Raises InputError as `resolve`, with `reference.not_a_coil` if that upload is something else."""
+        coil = self._find(workspace, href)
+        if coil.media_type != COIL_MEDIA_TYPE:
+            raise InputError("reference.not_a_coil", f"'{coil.file_name}' is {coil.media_type}, not a coil", href=href)
+        return coil
+
     def _find(self, workspace: WorkspaceId, href: str) -> MeshInput:
         match = _HREF.fullmatch(href)
         if match is None:
@@ -86,6 +113,10 @@ class MeshInputs:
         media_type, faces = CANONICAL_MEDIA_TYPE, record.faces
         if record.volume is not None:
             media_type, faces = VOLUME_MEDIA_TYPE, _weigh(record.volume)
+        elif record.field is not None:
+            media_type, faces = FIELD_MEDIA_TYPE, int(record.field["numbers"]) // NUMBERS_PER_FACE
+        elif record.coil is not None:
+            media_type = COIL_MEDIA_TYPE
         return MeshInput(href, record.name, record.canonical_sha256, media_type, record.file_name, record.sha256, faces)
 
     def _result(self, workspace: WorkspaceId, href: str, job_id: str, name: str) -> MeshInput:

@@ -29,7 +29,7 @@ CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"
 class MeshUpload:
     """A file that was received and read: `path` holds the bytes as sent, `canonical_path` what the intake made of them.
 
-    volume: voxels and labels of a label volume, which has no vertices and faces; None for a mesh."""
+    volume, field, coil: what there is in a label volume, a field or a coil, which have no vertices and faces; None for a mesh."""
 
     path: Path
     canonical_path: Path
@@ -43,6 +43,8 @@ class MeshUpload:
     findings: tuple[Mapping[str, Any], ...] = ()
     arrays: tuple[Mapping[str, Any], ...] = ()
     volume: Mapping[str, Any] | None = None
+    field: Mapping[str, Any] | None = None
+    coil: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,8 @@ class MeshRecord:
     created_at: datetime
     arrays: tuple[Mapping[str, Any], ...] = ()
     volume: Mapping[str, Any] | None = None
+    field: Mapping[str, Any] | None = None
+    coil: Mapping[str, Any] | None = None
 
 
 class Meshes:
@@ -108,7 +112,9 @@ class Meshes:
                 extents_mm=list(upload.extents_mm),
                 findings=storable([dict(finding) for finding in upload.findings]),
                 arrays=storable([dict(array) for array in upload.arrays]),
-                volume=storable(dict(upload.volume)) if upload.volume is not None else None,
+                volume=_stored(upload.volume),
+                field=_stored(upload.field),
+                coil=_stored(upload.coil),
                 created_at=self._db.now(work),
             )
             work.add(row)
@@ -168,7 +174,13 @@ def _record(row: MeshRow) -> MeshRecord:
         created_at=row.created_at,
         arrays=tuple(row.arrays or ()),
         volume=row.volume,
+        field=row.field,
+        coil=row.coil,
     )
+
+
+def _stored(told: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    return None if told is None else storable(dict(told))
 
 
 _OWNED = select(MeshRow).where(MeshRow.id == bindparam("mesh_id"), MeshRow.workspace == bindparam("workspace"))

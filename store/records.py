@@ -54,6 +54,8 @@ class MeshRow(Record):
     created_at: Mapped[datetime] = mapped_column(Instant)
     arrays: Mapped[list[dict[str, Any]] | None] = mapped_column(Json)  # numbers on vertices; null: taken in before they were kept
     volume: Mapped[dict[str, Any] | None] = mapped_column(Json)  # voxels and labels of a label volume; null: a mesh
+    field: Mapped[dict[str, Any] | None] = mapped_column(Json)  # rows, nodes and data of a field; null: something else
+    coil: Mapped[dict[str, Any] | None] = mapped_column(Json)  # dipoles of a coil; null: something else
 
 
 class JobRow(Record):

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 MU0_OVER_4PI = 1e-7  # T·m/A
 RADII_MM = (10.0, 20.0, 30.0)
 AWAY_MM = 35.0  # of the middle of each wing from the middle of the coil
-MOMENT_A_M2 = 0.12  # of each dipole, at 1 A
+MOMENT_A_M2 = 0.01  # of each dipole, at 1 A
 
 
 def figure_eight(per_ring: int = 24) -> Coil:

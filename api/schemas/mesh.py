@@ -43,21 +43,52 @@ class VolumeInfo(Document):
     expected_faces: int = Field(description="About how many faces the first surfaces of all labels have; jobs are sized by it")
 
 
+class FieldDataInfo(Document):
+    """One quantity in a gmsh file."""
+
+    name: str
+    where: Literal["nodes", "elements"]
+    components: int = Field(description="1 or 3")
+
+
+class FieldInfo(Document):
+    """What there is in a field: rows and columns of a matrix of text, or a mesh with data."""
+
+    rows: int = Field(description="Of a matrix; 0 of a gmsh file")
+    columns: tuple[str, ...] = Field(description="Names of the header from left to right, empty where there is none")
+    nodes: int
+    triangles: int
+    tetrahedra: int
+    data: tuple[FieldDataInfo, ...]
+    numbers: int = Field(description="How many numbers it has; jobs are sized by it")
+
+
+class CoilInfo(Document):
+    """What there is in a coil."""
+
+    dipoles: int
+    wire_pieces: int
+
+
 class MeshInfo(Document):
-    """A mesh or a label volume this server holds. Lengths are in mm, whatever the unit of the file was."""
+    """A mesh, label volume, field or coil this server holds. Lengths are in mm, whatever the unit of the file was."""
 
     id: str
     name: str
     file_name: str = Field(description="As sent")
     unit: Unit = Field(description="Of the file, as the uploader said")
-    format: str = Field(description="stl, mat, ply, obj or, for a label volume, nifti, by content")
+    format: str = Field(
+        description="By content: stl, mat, ply, obj; nifti of a label volume; msh or table of a field; ccd or tcd of a coil"
+    )
     size_bytes: int = Field(description="Of the file as sent")
     sha256: str = Field(description="Of the file as sent")
-    vertices: int = Field(description="0 of a label volume")
-    faces: int = Field(description="0 of a label volume")
+    vertices: int = Field(description="0 of what is no mesh")
+    faces: int = Field(description="0 of what is no mesh")
     extents_mm: tuple[float, float, float]
     arrays: tuple[VertexArray, ...] = Field((), description="Numbers kept for each vertex, see `depth_array` of a layer")
-    volume: VolumeInfo | None = Field(None, description="Of a label volume; absent for a mesh")
+    volume: VolumeInfo | None = Field(None, description="Of a label volume; absent for all else")
+    field: FieldInfo | None = Field(None, description="Of a field; absent for all else")
+    coil: CoilInfo | None = Field(None, description="Of a coil; absent for all else")
     findings: tuple[Finding, ...] = Field(description="What was noticed while reading: merged vertices, suspicious unit, ...")
     created: datetime
     links: tuple[Link, ...]

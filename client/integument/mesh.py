@@ -33,8 +33,34 @@ class VolumeInfo(Answer):
     labels: tuple[LabelInfo, ...] = ()
 
 
+class FieldDataInfo(Answer):
+    """One quantity in a gmsh file: at its `nodes` or in its `elements`."""
+
+    name: str
+    where: str = ""
+    components: int = 1
+
+
+class FieldInfo(Answer):
+    """What there is in a field."""
+
+    rows: int = 0
+    columns: tuple[str, ...] = ()
+    nodes: int = 0
+    triangles: int = 0
+    tetrahedra: int = 0
+    data: tuple[FieldDataInfo, ...] = ()
+
+
+class CoilInfo(Answer):
+    """What there is in a coil."""
+
+    dipoles: int = 0
+    wire_pieces: int = 0
+
+
 class Mesh(Answer):
-    """A mesh or a label volume the server holds; lengths in mm whatever the unit of the upload was."""
+    """A mesh, label volume, field or coil the server holds; lengths in mm whatever the unit of the upload was."""
 
     id: str
     name: str = ""
@@ -47,7 +73,9 @@ class Mesh(Answer):
     faces: int | None = None
     extents_mm: tuple[float, float, float] | None = None
     arrays: tuple[VertexArray, ...] = ()
-    volume: VolumeInfo | None = Field(None, description="Of a label volume; None of a mesh")
+    volume: VolumeInfo | None = Field(None, description="Of a label volume; None of all else")
+    field: FieldInfo | None = Field(None, description="Of a field; None of all else")
+    coil: CoilInfo | None = Field(None, description="Of a coil; None of all else")
     findings: tuple[Finding, ...] = ()
 
     @property

@@ -27,8 +27,8 @@ ZIP_TYPE = "application/zip"
 
 
 class SurfaceProcesses(ABC):
-    """`heal`, `decimate`, `smooth`, `detach`, `segment`, `separate`, `tetrahedralize`. They take surfaces, upload what is needed,
-    queue the job and wait.
+    """`heal`, `decimate`, `smooth`, `detach`, `segment`, `separate`, `tetrahedralize`, `fields`. They take surfaces, upload what
+    is needed, queue the job and wait.
 
     Alone a surface gives the output `mesh`; several, or a package, give `package` and each surface under its name.
     Further inputs go by their names in the process description. Raises: as `upload_mesh`, `execute` and `wait`.
@@ -173,6 +173,33 @@ class SurfaceProcesses(ABC):
         """Tetrahedra in all tissues, as outputs `msh` and `vtu`. radius_edge: None adds no vertex but where it must."""
         asked = {"radius_edge": radius_edge, "max_volume_mm3": dict(max_volume_mm3 or {}), **inputs}
         return self.wait(self.execute("tetrahedralize", {**asked, **self._surfaces(surfaces, unit)}), on_event)
+
+    def fields(
+        self,
+        surfaces: SurfacesInput,
+        field: MeshInput,
+        *,
+        columns: Sequence[str] | None = None,
+        coil: MeshInput | None = None,
+        placement: Sequence[Sequence[float]] | None = None,
+        unit: Unit = "mm",
+        field_length_unit: Unit | None = None,
+        on_event: OnEvent | None = None,
+        **inputs: Any,
+    ) -> Job:
+        """A solver's field as one value per triangle: outputs `fields` (a zip), `msh`, `statistics`.
+
+        field: .msh, or a matrix of text whose columns are named from left to right. placement: 4 x 4, mm, of the coil.
+        field_length_unit: of the places in the field file, that of the surfaces if not given.
+        """
+        asked: dict[str, Any] = {**inputs, "field": self._reference(field, field_length_unit or unit)}
+        if columns is not None:
+            asked["columns"] = list(columns)
+        if coil is not None:
+            asked["coil"] = {"file": self._reference(coil, "mm")}
+            if placement is not None:
+                asked["coil"]["placement"] = [list(map(float, row)) for row in placement]
+        return self.wait(self.execute("fields", {**asked, **self._surfaces(surfaces, unit)}), on_event)
 
     def _surfaces(self, surfaces: SurfacesInput, unit: Unit) -> dict[str, Any]:
         if isinstance(surfaces, Mapping):

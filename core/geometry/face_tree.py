@@ -29,11 +29,15 @@ class FaceTree:
     @classmethod
     def of(cls, vertices: Vertices, faces: Faces) -> FaceTree:
         """Build over vertices (V, 3) mm and faces (F, 3), F >= 1; O(F log F), the same tree for the same input."""
+        return cls.of_corners(vertices[faces])
+
+    @classmethod
+    def of_corners(cls, corners: NDArray[np.float64]) -> FaceTree:
+        """`of` for corners (F, 3, 3) mm; three points of anything else give boxes around it."""
         leaves = 1
-        while leaves * FACES_PER_LEAF < len(faces):
+        while leaves * FACES_PER_LEAF < len(corners):
             leaves *= 2
-        corners = vertices[faces]
-        order = np.arange(len(faces))
+        order = np.arange(len(corners))
         _sort_by_median_cuts(corners.sum(axis=1), order, leaves)
         ordered = np.ascontiguousarray(corners[order])
         boxes = np.empty((2 * leaves - 1, 6))

@@ -5,7 +5,7 @@ Other vectors with one real number per vertex are kept beside the mesh.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -64,8 +64,18 @@ def read(path: Path) -> Reading:
 def write(mesh: Mesh, path: Path, name: str) -> None:
     """Write version 5, uncompressed: P, t (from 1) and outward facet normals, all double. Same mesh, same bytes."""
     del name  # a MAT file has no place for it
-    arrays = {"P": mesh.vertices, "t": mesh.faces + 1.0, "normals": face_normals(mesh.vertices, mesh.faces)}
-    scipy.io.savemat(path, arrays, appendmat=False, format="5", do_compression=False)
+    write_arrays(path, surface_arrays(mesh))
+
+
+def surface_arrays(mesh: Mesh) -> dict[str, NDArray[np.float64]]:
+    """P, t and normals as `write` has them."""
+    one_based: NDArray[np.float64] = mesh.faces.astype(np.float64) + 1.0
+    return {"P": mesh.vertices, "t": one_based, "normals": face_normals(mesh.vertices, mesh.faces)}
+
+
+def write_arrays(path: Path, arrays: Mapping[str, NDArray[np.float64]]) -> None:
+    """Write version 5, uncompressed, class double. Same arrays, same bytes."""
+    scipy.io.savemat(path, dict(arrays), appendmat=False, format="5", do_compression=False)
     text = b"MATLAB 5.0 MAT-file, written by Integument, millimetres"
     with path.open("r+b") as file:
         file.write(text.ljust(TEXT_BYTES))

@@ -97,7 +97,7 @@ def _given(process: str, payload: Mapping[str, Any], error: IntegumentError) -> 
         return {}
     kind = PROCESSES[process].inputs
     try:
-        if issubclass(kind, SurfacesInputs):
+        if issubclass(kind, SurfaceSubject):
             return dict(load_surfaces(kind.model_validate(payload["inputs"]), payload["meshes"], SILENT).meshes)
         loaded = [load_input(href, payload["meshes"]) for href in payload["meshes"]]
     except (IntegumentError, ValidationError):

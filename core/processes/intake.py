@@ -17,10 +17,13 @@ from core.io.registry import read_meshes
 from core.io.unit import require_unit
 from core.io.welding import weld
 from core.mesh import Mesh
+from core.processes.field_intake import is_coil, is_field, take_in_coil, take_in_field
 from core.processes.volume_intake import take_in_volume
 from core.schema.finding import Finding, Severity
 
 MOST_NAMES_SHOWN = 20
+OTHERS = ((is_nifti, take_in_volume), (is_field, take_in_field), (is_coil, take_in_coil))
+"""What else than a surface an upload may be: how it is known, and who takes it in."""
 
 
 def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
@@ -30,17 +33,19 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     Arrays with a number per vertex are kept beside the mesh as they are. Returns {"format", "meshes": [{"name", "path",
     "vertices", "faces", "extents_mm", "area_mm2", "arrays": [{"name", "minimum", "maximum", "not_finite"}]}], "findings"},
     all plain JSON.
-    A label volume becomes no mesh: see `volume_intake`.
-    Raises: InputError and LimitError as `core.io.registry.read_meshes`, `core.io.nifti.read_volume`; InputError `unit.unknown`.
+    A label volume, a field and a coil become no mesh: see `volume_intake` and `field_intake`.
+    Raises: InputError and LimitError as `core.io.registry.read_meshes` and the intakes named; InputError `unit.unknown`.
     """
     del channel  # a parse takes seconds: there is no progress to tell
     unit = require_unit(payload["unit"])
-    if is_nifti(Path(payload["path"]), payload["file_name"]):
-        return take_in_volume(Path(payload["path"]), payload["file_name"], unit, Path(payload["out_dir"]))
-    intake = read_meshes(Path(payload["path"]), file_name=payload["file_name"], unit=unit)
-    combined = combine(intake.meshes, clean_name(Path(payload["file_name"]).stem, "mesh"))
+    path, file_name, out_dir = Path(payload["path"]), payload["file_name"], Path(payload["out_dir"])
+    for is_one, take_in in OTHERS:
+        if is_one(path, file_name):
+            return take_in(path, file_name, unit, out_dir)
+    intake = read_meshes(path, file_name=file_name, unit=unit)
+    combined = combine(intake.meshes, clean_name(Path(file_name).stem, "mesh"))
     findings = (*intake.findings, *check_solids(intake))
-    target = Path(payload["out_dir"]) / "0.mesh"
+    target = out_dir / "0.mesh"
     canonical.save(combined.mesh, target, combined.arrays)
     return {
         "format": intake.format,

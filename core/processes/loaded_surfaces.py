@@ -11,11 +11,13 @@ import numpy as np
 
 from core.errors import InternalError
 from core.mesh import Mesh
+from core.package.conductivity import conductivities
 from core.package.manifest import TissueEntry
 from core.package.read import read_package
 from core.processes.named_input import load_input
 from core.run import RunContext
-from core.schema.surfaces import SurfacesInputs
+from core.schema.conductivities import ConductivityInputs
+from core.schema.surfaces import SurfaceSubject
 
 ONE = "mesh"  # the name of a surface that came alone, and of its output
 
@@ -26,21 +28,22 @@ class LoadedSurfaces:
 
     meshes: by name, exact in float32; of a package in nesting order. tissues: by name what a package said of them, else empty.
     sources: what went in by name and checksum, as the parameters of a report hold it. changes: what rounding moved.
-    together: they came as a set, so the result is a package, however many they are.
+    conductivities_s_per_m: of every surface. together: they came as a set, so the result is a package, however many they are.
     """
 
     meshes: Mapping[str, Mesh]
     tissues: Mapping[str, TissueEntry]
     sources: Mapping[str, Any]
     changes: tuple[dict[str, Any], ...]
+    conductivities_s_per_m: Mapping[str, float]
     together: bool
 
 
-def load_surfaces(inputs: SurfacesInputs, entries: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSurfaces:
+def load_surfaces(inputs: SurfaceSubject, entries: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSurfaces:
     """All surfaces of the inputs; the whole of `run`.
 
-    Raises: InputError `reference.not_a_mesh`, `package.corrupt`, `package.checksum_mismatch`; InternalError
-    `reference.unresolved`, `canonical.corrupt`.
+    Raises: InputError `reference.not_a_mesh`, `package.corrupt`, `package.checksum_mismatch`, `conductivity.unknown_tissue`;
+    InternalError `reference.unresolved`, `canonical.corrupt`.
     """
     tissues: dict[str, TissueEntry] = {}
     if inputs.package is not None:
@@ -58,9 +61,11 @@ def load_surfaces(inputs: SurfacesInputs, entries: Mapping[str, Mapping[str, Any
         read = {name: source.mesh for name, source in loaded.items()}
         named = {name: {"name": source.name, "sha256": source.sha256} for name, source in loaded.items()}
         sources = named if inputs.mesh is not None else {"meshes": named}
+    own: Mapping[str, float] = inputs.conductivities_s_per_m if isinstance(inputs, ConductivityInputs) else {}
+    values = conductivities(read, own, {name: tissue.conductivity_s_per_m for name, tissue in tissues.items()})
     rounded = {name: mesh.rounded_to_float32() for name, mesh in read.items()}
     run.advance(1.0, ", ".join(f"{name}: {len(mesh.faces)} faces" for name, mesh in rounded.items()))
-    return LoadedSurfaces(rounded, tissues, sources, _shifts(read, rounded), inputs.mesh is None)
+    return LoadedSurfaces(rounded, tissues, sources, _shifts(read, rounded), values, inputs.mesh is None)
 
 
 def _shifts(read: Mapping[str, Mesh], rounded: Mapping[str, Mesh]) -> tuple[dict[str, Any], ...]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.mesh import Mesh
 from core.reports.figures.figure import Figure
+from core.reports.scene.scene import Painted
 from core.schema.report import Report
 
 BEFORE = " before"  # as on the web page
@@ -40,7 +41,8 @@ class Outcome:
     """The end of a process; `report.verdict` may be not_ready though it did what it promises.
 
     surfaces: what the report shows in 3D; one whose name ends with `BEFORE` is hidden until asked for.
-    depths_mm: distance of vertices (V,) or faces (F,) of some of them to the skin, to be painted on them.
+    depths_mm: distance of vertices (V,) or faces (F,) of some of them to the skin, to be painted on them; or what `painted`
+    calls it.
     """
 
     report: Report
@@ -48,6 +50,7 @@ class Outcome:
     files: tuple[OutputFile, ...] = ()
     surfaces: Mapping[str, Mesh] = field(default_factory=dict)
     depths_mm: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    painted: Painted | None = None
 
 
 def with_originals(results: Mapping[str, Mesh], originals: Mapping[str, Mesh]) -> dict[str, Mesh]:

@@ -14,6 +14,7 @@ from core.processes.delivered_checksums import with_checksums
 from core.processes.detach import run_detach
 from core.processes.ears import run_ears
 from core.processes.failure import failure_outcome
+from core.processes.fields import run_fields
 from core.processes.graft import run_graft
 from core.processes.heal import run_heal
 from core.processes.outcome import Outcome, OutputFile
@@ -48,6 +49,7 @@ HANDLERS: dict[str, Handler] = {
     "segment": run_segment,
     "separate": run_separate,
     "tetrahedralize": run_tetrahedralize,
+    "fields": run_fields,
     "prepare": run_prepare,
 }
 
@@ -104,7 +106,7 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
 def _write_report(outcome: Outcome, out_dir: Path) -> tuple[OutputFile, ...]:
     report = with_checksums(outcome.report, outcome.files, out_dir)
     (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
-    page = render_html(report, outcome.figures, make_scene(outcome.surfaces, outcome.depths_mm))
+    page = render_html(report, outcome.figures, make_scene(outcome.surfaces, outcome.depths_mm, painted=outcome.painted))
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return (
         OutputFile("report", Path("report.json"), "application/json", "report.json"),

@@ -7,6 +7,7 @@ from typing import Literal
 from core.schema.decimate import DecimateInputs
 from core.schema.detach import DetachInputs
 from core.schema.ears import EarsInputs
+from core.schema.fields import FieldsInputs
 from core.schema.graft import GraftInputs
 from core.schema.heal import HealInputs
 from core.schema.model import FrozenModel
@@ -18,7 +19,9 @@ from core.schema.smooth import SmoothInputs
 from core.schema.tetrahedralize import TetrahedralizeInputs
 from core.schema.validate import ValidateInputs
 
-MediaType = Literal["application/zip", "application/json", "text/html", "model/stl", "application/x-gmsh", "application/x-vtu"]
+MediaType = Literal[
+    "application/zip", "application/json", "text/html", "text/csv", "model/stl", "application/x-gmsh", "application/x-vtu"
+]
 
 
 class OutputDescription(FrozenModel):
@@ -224,6 +227,31 @@ TETRAHEDRALIZE = ProcessDescription(
         "report_html": _REPORT_HTML,
     },
 )
+FIELDS = ProcessDescription(
+    id="fields",
+    version="1.0.0",
+    title="Bring a field onto surfaces",
+    description="The electric field of a solver (a gmsh file as SimNIBS writes it, or a matrix of text) as one value per "
+    "triangle on any surfaces, with the distance to what it was taken from; nothing is extrapolated in silence. Numbers per "
+    "surface, pictures, files for MATLAB, ParaView and gmsh; a coil may be drawn beside the head.",
+    keywords=("electric field", "TMS", "SimNIBS", "coil", "ElementData", "mapping"),
+    inputs=FieldsInputs,
+    outputs={
+        "fields": OutputDescription(
+            title="All files", media_type="application/zip", description="MATLAB, ParaView and gmsh files, numbers, figures"
+        ),
+        "msh": OutputDescription(
+            title="Surfaces with the field",
+            media_type="application/x-gmsh",
+            description="gmsh 2.2 binary with E and magnE as ElementData",
+        ),
+        "statistics": OutputDescription(
+            title="Numbers", media_type="text/csv", description="Mean, 99th percentile and maximum per surface, and where it is"
+        ),
+        "report": _REPORT,
+        "report_html": _REPORT_HTML,
+    },
+)
 PREPARE = ProcessDescription(
     id="prepare",
     version="1.0.0",
@@ -253,5 +281,19 @@ PREPARE = ProcessDescription(
 )
 PROCESSES: dict[str, ProcessDescription] = {
     process.id: process
-    for process in (VALIDATE, SHELLS, EARS, GRAFT, HEAL, DECIMATE, SMOOTH, DETACH, SEGMENT, SEPARATE, TETRAHEDRALIZE, PREPARE)
+    for process in (
+        VALIDATE,
+        SHELLS,
+        EARS,
+        GRAFT,
+        HEAL,
+        DECIMATE,
+        SMOOTH,
+        DETACH,
+        SEGMENT,
+        SEPARATE,
+        TETRAHEDRALIZE,
+        FIELDS,
+        PREPARE,
+    )
 }

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field
 
 from core.schema.model import FrozenModel
 
 CANONICAL_MEDIA_TYPE = "application/x-integument-mesh"  # the internal form of an upload (core.io.canonical)
 VOLUME_MEDIA_TYPE = "application/x-integument-volume"  # the internal form of an uploaded label volume (core.io.canonical_volume)
+FIELD_MEDIA_TYPE = "application/x-integument-field"  # the internal form of an uploaded field (core.io.canonical_field)
+COIL_MEDIA_TYPE = "application/x-integument-coil"  # the internal form of an uploaded coil (core.io.canonical_coil)
 MESH_MEDIA_TYPES = (CANONICAL_MEDIA_TYPE, "model/stl")
 PACKAGE_MEDIA_TYPES = ("application/zip",)
 MESH_HREF = r"/v1/meshes/[0-9a-f-]{36}"
@@ -38,11 +42,29 @@ class PackageReference(MeshReference):
     )
 
 
+def _upload_href(formats: str, media_type: str) -> Any:
+    """The link of an upload that is no surface; `contentMediaType` tells forms which uploads to offer."""
+    return Field(
+        description=f"`/v1/meshes/{{id}}` of an upload whose format is {formats}",
+        max_length=500,
+        pattern=rf"^(https?://[^/]+)?{MESH_HREF}$",
+        json_schema_extra={"contentMediaType": media_type},
+    )
+
+
 class VolumeReference(MeshReference):
     """A link to a label volume this server holds."""
 
-    href: str = Field(
-        description="`/v1/meshes/{id}` of an upload whose format is nifti",
-        max_length=500,
-        pattern=rf"^(https?://[^/]+)?{MESH_HREF}$",
-    )
+    href: str = _upload_href("nifti", VOLUME_MEDIA_TYPE)
+
+
+class FieldReference(MeshReference):
+    """A link to a field this server holds."""
+
+    href: str = _upload_href("msh or table", FIELD_MEDIA_TYPE)
+
+
+class CoilReference(MeshReference):
+    """A link to a coil this server holds."""
+
+    href: str = _upload_href("ccd or tcd", COIL_MEDIA_TYPE)

@@ -124,6 +124,42 @@ class RegionReport(FrozenModel):
     radius_ratio_median: float
 
 
+class FieldNumbers(FrozenModel):
+    """Of one quantity on a surface, V/m; mean and percentile by area."""
+
+    mean: float
+    percentile_99: float
+    maximum: float
+
+
+class FieldReport(FrozenModel):
+    """A field on one surface. Triangles too far from the field have no value and count in none of the numbers."""
+
+    faces: int
+    too_far: int = Field(description="Triangles without a value")
+    area_with_value_mm2: float
+    farthest_mm: float = Field(description="Largest distance from a triangle to the place its value was, or would be, taken from")
+    method: str = Field(description="Where the values were taken")
+    magnitude: FieldNumbers | None = Field(None, description="null if no triangle has a value")
+    maximum_at_mm: tuple[float, float, float] | None = Field(
+        None, description="Centre of the triangle with the largest magnitude"
+    )
+    maximum_face: int | None = Field(None, description="Its number, from 1 as in MATLAB")
+    normal: FieldNumbers | None = Field(None, description="Size of the part along the normal; null of magnitudes alone")
+    tangential: FieldNumbers | None = Field(None, description="Of the part in the triangle")
+
+
+class CoilReport(FrozenModel):
+    """A coil beside the surfaces, as placed."""
+
+    dipoles: int
+    wire_pieces: int
+    surface: str = Field(description="The largest surface, to which the distance is")
+    distance_mm: float = Field(description="Smallest distance of a dipole or piece of wire to it")
+    nearest_at_mm: tuple[float, float, float] = Field(description="Where that dipole or piece is")
+    inside: int = Field(description="Dipoles and pieces inside of it; 0 if it is not closed")
+
+
 class StepReport(FrozenModel):
     """One step of a job made of several (`prepare`): a section of its own on the page, a line in the list of steps.
 
@@ -163,6 +199,8 @@ class Report(FrozenModel):
     thickness: dict[str, ThicknessReport] = {}
     comparisons: dict[str, ComparisonReport] = Field({}, description="Mesh name -> what became of the surface that came")
     regions: dict[str, RegionReport] = Field({}, description="Tissue -> its tetrahedra")
+    fields: dict[str, FieldReport] = Field({}, description="Surface -> the field on it")
+    coil: CoilReport | None = None
     nesting: dict[str, str | None] = Field({}, description="Mesh name -> the mesh that encloses it most closely, or null")
     findings: tuple[Finding, ...] = ()
     changes: tuple[dict[str, Any], ...] = ()

@@ -12,6 +12,7 @@ from integument.cli import (
     detach,
     ears,
     execute,
+    fields,
     graft,
     jobs,
     labels,
@@ -21,18 +22,35 @@ from integument.cli import (
     surface_commands,
 )
 from integument.cli.app import app
+from integument.cli.column_words import join_columns
 from integument.cli.exit_code import ExitCode, exit_code_of
 from integument.cli.global_options import split_global
 from integument.cli.screen import Screen
 from integument.errors import IntegumentError
 
-for part in (serve, admin, execute, ears, prepare, graft, detach, segment, surface_commands, cohorts, jobs, labels, catalogue):
+for part in (
+    serve,
+    admin,
+    execute,
+    ears,
+    prepare,
+    graft,
+    detach,
+    segment,
+    fields,
+    surface_commands,
+    cohorts,
+    jobs,
+    labels,
+    catalogue,
+):
     part.register(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; `arguments` default to the process' own. Never raises what a user can cause."""
     found, rest = split_global(sys.argv[1:] if arguments is None else arguments)
+    rest = join_columns(rest)
     try:
         app(args=[*found, *rest], prog_name="integument")
     except SystemExit as end:
