@@ -109,6 +109,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         services.doorbell.close()
         services.limiter.close()
         services.admission.close()
+        services.recent_jobs.close()
         services.db.close()
 
 

@@ -42,6 +42,7 @@ from store.parked import Parked
 from store.quotas import Quotas
 from store.rate_limit import RateLimiter
 from store.receivers import Receivers
+from store.recent_jobs import RecentJobs
 from store.retention_policy import RetentionPolicies, RetentionPolicy
 from store.settings import Settings
 from store.uploads import Uploads
@@ -64,6 +65,7 @@ class Services:
     mesh_inputs: MeshInputs
     uploads: Uploads
     jobs: Jobs
+    recent_jobs: RecentJobs
     cohorts: Cohorts
     callbacks: Callbacks
     parked: Parked
@@ -122,6 +124,7 @@ def make_services(settings: Settings) -> Services:
         mesh_inputs=MeshInputs(db, blobs),
         uploads=Uploads(db, settings.upload_hours, quotas),
         jobs=jobs,
+        recent_jobs=RecentJobs(db, jobs),
         cohorts=Cohorts(db, jobs),
         callbacks=Callbacks(db),
         parked=Parked(db),
