@@ -116,7 +116,6 @@ async def _on_http_exception(request: Request, error: Exception) -> Response:
     detail = {
         "route.not_found": f"There is nothing at {request.url.path}",
         "method.not_allowed": f"{request.method} is not offered at {request.url.path}",
-        "request.too_large": "The body is larger than this route takes",
         "request.body_too_slow": "The body did not come to its end in time; send it in one go",
     }.get(code, str(error.detail))
     return problem_response(
