@@ -1,4 +1,4 @@
-"""The hands of a worker: one thread looks for jobs, one per slot supervises the job it was given."""
+"""The hands of a worker: one thread looks for jobs, one per job supervises it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ logger = logging.getLogger(__name__)
 
 WAKE_S = 0.5  # how soon whoever waits for room sees that the worker stops
 
-Run = Callable[[Workshop, Job], None]
+Run = Callable[[Workshop, Job, Callable[[], None]], None]
 
 
 class Crew:
     """Looks when a bell was heard, when a job has ended, and every `look_s`; claims until nothing more is due or fits.
 
-    `worker_concurrency` jobs run at a time, and `worker_fast_slots` fast ones more, so that heavy ones never fill all slots."""
+    `worker_concurrency` jobs compute at a time, and `worker_fast_slots` fast ones more, so that heavy ones never fill all slots.
+    A job leaves its slot when it computes no more: while its results are stored and written down the next one has begun."""
 
     def __init__(self, workshop: Workshop, run: Run = run_job) -> None:
         self._workshop = workshop
@@ -36,10 +37,12 @@ class Crew:
         self._queues = frozenset(settings.worker_queues)
         self._bell = threading.Event()
         self._changed = threading.Condition()
-        self._at_work: Counter[JobQueue] = Counter()
+        self._at_work: Counter[JobQueue] = Counter()  # jobs that compute
+        self._in_hand = 0  # jobs that do not, too
+        self._most_in_hand = 2 * (self._slots + self._fast_slots)
         self._disk = DiskFloor(settings.data_dir, settings.disk_floor_bytes)
         self._had_disk = True
-        self._hands = ThreadPoolExecutor(self._slots + self._fast_slots, thread_name_prefix="job")
+        self._hands = ThreadPoolExecutor(self._most_in_hand, thread_name_prefix="job")
         self._looker = threading.Thread(target=self._loop, name="crew", daemon=True)
 
     def start(self) -> None:
@@ -62,8 +65,12 @@ class Crew:
         self._hands.shutdown()
 
     def free_queues(self) -> frozenset[JobQueue]:
-        """The queues a job may be taken from now, as far as slots go."""
+        """The queues a job may be taken from now, as far as slots go.
+
+        No more jobs are being stored than compute: a store that is away is waited for."""
         with self._changed:
+            if self._in_hand >= self._most_in_hand:
+                return frozenset()
             if self._at_work.total() < self._slots:
                 return self._queues
             if self._at_work[JobQueue.FAST] < self._fast_slots:
@@ -103,6 +110,7 @@ class Crew:
             return False
         with self._changed:
             self._at_work[job.queue] += 1
+            self._in_hand += 1
         self._hands.submit(self._supervise, job)
         return True
 
@@ -121,10 +129,35 @@ class Crew:
         return True
 
     def _supervise(self, job: Job) -> None:
+        slot = _Slot(lambda: self._leave(job))
         try:
-            self._run(self._workshop, job)
+            self._run(self._workshop, job, slot.leave)
         finally:
+            slot.leave()
             with self._changed:
-                self._at_work[job.queue] -= 1
-                self._changed.notify_all()
-            self._bell.set()
+                self._in_hand -= 1
+            self._look_again()
+
+    def _leave(self, job: Job) -> None:
+        with self._changed:
+            self._at_work[job.queue] -= 1
+        self._look_again()
+
+    def _look_again(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
+        self._bell.set()
+
+
+class _Slot:
+    """Left once, by whoever comes first. For one thread."""
+
+    def __init__(self, on_leave: Callable[[], None]) -> None:
+        self._on_leave = on_leave
+        self._is_left = False
+
+    def leave(self) -> None:
+        """The second time nothing happens."""
+        if not self._is_left:
+            self._is_left = True
+            self._on_leave()

@@ -43,12 +43,14 @@ RETRIED_CODES = frozenset({"child.crashed", "nursery.lost", "nursery.fork_failed
 T = TypeVar("T")
 
 
-def supervise(workshop: Workshop, job: Job) -> None:
-    """Bring a claimed job to an end, or give it back. What happens to the child never raises; a broken disk or database may."""
+def supervise(workshop: Workshop, job: Job, leave: Callable[[], None] = lambda: None) -> None:
+    """Bring a claimed job to an end, or give it back; `leave` is called when its child is dead, before anything is stored.
+
+    What happens to the child never raises; a broken disk or database may."""
     stages = StageLog()
     progress = Progress(stages.follow)
     steps = StepKeeper(workshop, job)
-    attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress), steps)
+    attempt = _Attempt(workshop, job, progress, Lease(workshop, job, progress), steps, leave)
     with job_folder(workshop.settings.scratch_dir, job) as folder, closing(steps), stages:
         stages.follow(progress.phase)
         try:
@@ -64,12 +66,15 @@ def supervise(workshop: Workshop, job: Job) -> None:
 
 
 class _Attempt:
-    def __init__(self, workshop: Workshop, job: Job, progress: Progress, lease: Lease, steps: StepKeeper) -> None:
+    def __init__(
+        self, workshop: Workshop, job: Job, progress: Progress, lease: Lease, steps: StepKeeper, leave: Callable[[], None]
+    ) -> None:
         self._workshop = workshop
         self._job = job
         self._progress = progress
         self._lease = lease
         self._steps = steps
+        self._leave = leave
         self._peak_bytes: int | None = None
         self._last_words = LastWords()
 
@@ -78,6 +83,7 @@ class _Attempt:
         left: tuple[dict[str, Any], ...] = ()
         try:
             outcome = self._work(folder)
+            self._leave()
             self._peak_bytes = outcome.peak_bytes
             self._last_words = last_words(outcome, self._progress.phase, folder)
             left = outcome.outputs

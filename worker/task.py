@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 
 from core.errors import IntegumentError, InternalError
 from sandbox.log_lines import add_log_context, log_context
@@ -14,15 +15,17 @@ from worker.workshop import Workshop
 logger = logging.getLogger(__name__)
 
 
-def run_job(workshop: Workshop, job: Job) -> None:
-    """Bring a claimed job to its end. Nothing escapes from here: the thread has other jobs to do."""
+def run_job(workshop: Workshop, job: Job, leave: Callable[[], None]) -> None:
+    """Bring a claimed job to its end; `leave` is called when it computes no more.
+
+    Nothing escapes from here: the thread has other jobs to do."""
     known = {"job_id": job.id, "attempt": job.attempt, "workspace": job.workspace, "worker": workshop.name}
     with log_context(**known), span(f"run {job.process}", parent=job.traceparent) as attempt:
         attempt.note(integument__process=job.process, **{f"integument__{name}": value for name, value in known.items()})
         add_log_context(**({} if attempt.trace_id is None else {"trace_id": attempt.trace_id}))
         logger.info("job %s: attempt %d of %s begins", job.id, job.attempt, job.process, extra={"event": "job_claimed"})
         try:
-            supervise(workshop, job)
+            supervise(workshop, job, leave)
         except BaseException as error:
             attempt.fail(type(error).__name__)
             logger.exception("job %s: the worker stumbled", job.id)

@@ -31,14 +31,20 @@ class Scene:
 
     def __init__(self, workshop: Workshop) -> None:
         self.workshop = workshop
+        self._stores_by_hand = False
+        self._stores: dict[str, threading.Event] = {}
         self.begun: list[Job] = []
         self._ends: dict[str, threading.Event] = {}
         self.crew = Crew(workshop, self._work)
 
-    def _work(self, workshop: Workshop, job: Job) -> None:
-        self._ends[job.id] = threading.Event()
+    def _work(self, workshop: Workshop, job: Job, leave: Callable[[], None]) -> None:
+        self._ends[job.id], self._stores[job.id] = threading.Event(), threading.Event()
+        if not self._stores_by_hand:
+            self._stores[job.id].set()
         self.begun.append(job)
         assert self._ends[job.id].wait(LIMIT_S)
+        leave()
+        assert self._stores[job.id].wait(LIMIT_S)
         finish(workshop.jobs, job)
 
     def submit(self, queue: JobQueue = JobQueue.HEAVY, mib: int = 10) -> Job:
@@ -47,6 +53,13 @@ class Scene:
 
     def end(self, job: Job) -> None:
         self._ends[job.id].set()
+
+    def hold_results(self) -> None:
+        """From now on the results of a job are stored by `store` alone."""
+        self._stores_by_hand = True
+
+    def store(self, job: Job) -> None:
+        self._stores[job.id].set()
 
     def await_begun(self, *jobs: Job) -> None:
         """Exactly these are begun, in whatever order."""
@@ -80,6 +93,7 @@ def make_scene(tmp_path: Path) -> Iterator[Callable[..., Scene]]:
         scene.workshop.closing.begin()
         for job in scene.begun:
             scene.end(job)
+            scene.store(job)
         scene.crew.drain()
         scene.workshop.close()
 
@@ -184,3 +198,17 @@ def test_on_a_nearly_full_disk_no_job_is_taken(make_scene: Callable[..., Scene],
     until(lambda: "no job is taken" in caplog.text)
     time.sleep(0.3)
     assert scene.begun == []
+
+
+def test_the_next_job_begins_while_results_are_stored_but_no_more_than_compute(make_scene: Callable[..., Scene]) -> None:
+    scene = make_scene(worker_concurrency=1, worker_fast_slots=0)
+    scene.hold_results()
+    jobs = [scene.submit() for _ in range(3)]
+    scene.crew.ring()
+    scene.await_begun(jobs[0])
+    scene.end(jobs[0])
+    scene.await_begun(*jobs[:2])
+    scene.end(jobs[1])
+    scene.await_begun(*jobs[:2])  # two wait for the store: a third would only join them
+    scene.store(jobs[0])
+    scene.await_begun(*jobs)

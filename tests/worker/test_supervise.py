@@ -83,7 +83,7 @@ def test_a_job_that_met_a_full_disk_is_tried_once_more(workshop: Workshop) -> No
 def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
     mesh = MeshInput("/v1/meshes/1", "skin", "0" * 64, "model/stl", "skin.stl")
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}, mesh_inputs=[mesh])
-    run_job(workshop, take(workshop, job))
+    run_job(workshop, take(workshop, job), lambda: None)
     failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "blob.missing"
@@ -93,7 +93,7 @@ def test_an_error_of_the_worker_itself_fails_the_job_and_goes_no_further(worksho
     (tmp_path / "file").touch()
     broken = replace(workshop, settings=workshop.settings.model_copy(update={"data_dir": tmp_path / "file"}))
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": "write"})
-    run_job(broken, take(workshop, job))
+    run_job(broken, take(workshop, job), lambda: None)
     failed = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
     assert failed.failure is not None
     assert failed.failure.code == "worker.raised"
