@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
+from scipy.ndimage import distance_transform_edt, label
 
 from core.detaching.cores import Core
+from core.detaching.creases import Creases
 from core.detaching.graph_cut import SINK, SOURCE, cut_in_two
 
 Floats = NDArray[np.float64]
@@ -14,14 +15,18 @@ Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
 SEED_LEVEL = 0.3  # of the way from the pass up to the core: what is deeper belongs to the part
+NEARER_SHARE = 0.8  # of the way to the other part's seeds: what is nearer than that to the seeds of a part belongs to it, too
 # of links along axes, diagonals of sides and of cubes: a plane cut costs nearly its area, whichever way it looks
 COSTS = (137, 78, 61)
+SIDE_COST = COSTS[0] + 4 * COSTS[1] + 4 * COSTS[2]  # of a plane cut per side of a cube
+TIE_COST = 2 * SIDE_COST  # of a cube under the skin that is on another side of the cut than the face above it
 
 
-def find_seeds(depth: Floats, core: Core, others: tuple[Core, ...]) -> NDArray[np.int8]:
+def find_seeds(depth: Floats, core: Core, others: tuple[Core, ...], size_mm: float) -> NDArray[np.int8]:
     """What surely belongs to the part of a core, 1, and to that of others, 2; (X, Y, Z), 0 elsewhere.
 
-    depth: (X, Y, Z) mm, 0 outside of what is to be cut."""
+    depth: (X, Y, Z) mm, 0 outside of what is to be cut. What is as deep as a seed has a ball around it within the body: seeds grow
+    by that, as far as the other part leaves them. Small ones would be cut out of their own part: that costs less."""
     seeds = np.zeros(depth.shape, dtype=np.int8)
     level = core.pass_mm + SEED_LEVEL * (core.depth_mm - core.pass_mm)
     pieces, _count = label(depth > level)
@@ -30,12 +35,19 @@ def find_seeds(depth: Floats, core: Core, others: tuple[Core, ...]) -> NDArray[n
         if flat[other.cube] > 0:
             seeds[pieces == flat[other.cube]] = 2
     seeds[pieces == flat[core.cube]] = 1
-    return seeds
+    if not (seeds == 2).any():
+        return seeds
+    first, second = (distance_transform_edt(seeds != part) * size_mm for part in (1, 2))
+    grown = np.where(first < np.minimum(level, NEARER_SHARE * second), 1, 0)
+    grown = np.where(second < np.minimum(level, NEARER_SHARE * first), 2, grown)
+    return np.where(depth > 0.0, grown, 0).astype(np.int8)
 
 
-def find_least_cut(solid: Flags, seeds: NDArray[np.int8]) -> NDArray[np.int8]:
-    """1 and 2 for the sides of the surface of least area between the seeds, 0 outside of the body; all (X, Y, Z).
+def find_least_cut(solid: Flags, seeds: NDArray[np.int8], creases: Creases, border_mm: float, size_mm: float) -> NDArray[np.int8]:
+    """1 and 2 for the sides of the cheapest surface between the seeds, 0 outside of the body; all (X, Y, Z).
 
+    It costs its area, and border_mm for each mm of its border that runs over flat skin and not along a crease: where parts are
+    sunk deep into each other the surface of least area alone would rather cut the thinner one off.
     Source: Boykov & Kolmogorov 2003, doi:10.1109/ICCV.2003.1238310."""
     number = np.full(solid.shape, -1, dtype=np.int64)
     free = solid & (seeds == 0)
@@ -49,6 +61,13 @@ def find_least_cut(solid: Flags, seeds: NDArray[np.int8]) -> NDArray[np.int8]:
         second.append(there[linked])
         cost.append(np.full(int(linked.sum()), share))
     count = 2 + int(free.sum())
+    flat = number.ravel()
+    tied = flat[creases.cubes] >= 0
+    first += [flat[creases.cubes[tied]], count + creases.pairs[:, 0]]
+    second += [count + creases.nearest[tied], count + creases.pairs[:, 1]]
+    per_mm = border_mm * SIDE_COST / size_mm**2
+    cost += [np.full(int(tied.sum()), TIE_COST), np.maximum((per_mm * creases.cost_mm).astype(np.int64), 1)]
+    count += len(creases.faces)
     reached = cut_in_two(count, np.concatenate(first), np.concatenate(second), np.concatenate(cost))
     side = np.zeros(solid.shape, dtype=np.int8)
     side[solid] = np.where(reached[number[solid]], 1, 2)

@@ -92,7 +92,7 @@ def _open_region(
     edge_mm = float(np.median(side_lengths(mesh.vertices, mesh.faces[inner]))) if inner.any() else float((high - low).max())
     grid = fill_grid(mesh, low, high, cube_size_mm(low, high, edge_mm))
     run.advance(0.1, f"{int(grid.solid.sum())} cubes of {grid.size_mm:.3g} mm inside of the body")
-    contacts = find_contacts(grid, region, settings.narrowing)
+    contacts = find_contacts(mesh, grid, region, settings.narrowing)
     opened = []
     for number, contact in enumerate(contacts):
         run.advance(0.4 + 0.6 * number / len(contacts), f"contact at {words(contact.point_mm)} mm")

@@ -81,6 +81,8 @@ def _attempt(skin: Mesh, sheet: Sheet, width: float, gap_mm: float, low: Floats,
     if len(find_intersecting_faces(cut.mesh.vertices, cut.mesh.faces[inner])):
         return None  # a sheet that folds makes a slab that runs through itself within the body
     cut = _without_shreds(_told_apart(cut, slab))
+    if not np.isin(cut.mesh.faces[cut.piece == SKIN], cut.mesh.faces[cut.piece != SKIN]).any():
+        return None  # the slab came to lie within the body: a cavity opens nothing
     if count_pinholes(cut, PINHOLE_SHARE * width) or count_tunnels(cut, END):
         return None
     remeshed = remesh_around_seams(

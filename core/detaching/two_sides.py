@@ -5,18 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from core.detaching.creases import valley_shares
 from core.detaching.graph_cut import SINK, SOURCE, cut_in_two
 from core.detaching.region_grid import RegionGrid
 from core.detaching.surface_nets import sample
 from core.geometry.adjacency import edges
-from core.geometry.normals import face_crosses, normalised
 from core.mesh import Mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SURE_CUBES = 2.5  # from the cut in the grid: farther faces are known to belong to its side
-FLAT_COST, LEAST_COST = 1.0, 0.02  # of a millimetre of line between the parts, on a flat skin and in a sharp valley
 UNITS = 1e3  # costs are whole numbers
 
 
@@ -38,13 +37,7 @@ def label_faces(mesh: Mesh, chosen: Ints, grid: RegionGrid, towards: Floats) -> 
 
 def _costs(mesh: Mesh, chosen: Ints, pair: Ints, ends: Ints, side: Ints) -> Ints:
     """Length of each edge, nothing nearly in valleys; (E,) whole numbers above 0."""
-    faces = mesh.faces[chosen]
-    normals = normalised(face_crosses(mesh.vertices, faces))
-    first, second = normals[pair[:, 0]], normals[pair[:, 1]]
-    tip = mesh.vertices[faces[pair[:, 1], (side[:, 1] + 2) % 3]]
-    rises = np.einsum("ij,ij->i", tip - mesh.vertices[ends[:, 0]], first) > 0.0  # a valley: the other face stands above
-    turn = np.arccos(np.clip(np.einsum("ij,ij->i", first, second), -1.0, 1.0))
     length = np.linalg.norm(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]], axis=1)
-    share = np.where(rises, np.maximum(FLAT_COST - turn, LEAST_COST), FLAT_COST)
+    share = valley_shares(mesh, chosen, pair, ends, side)
     costs: Ints = np.maximum((length * share * UNITS).astype(np.int64), 1)
     return costs

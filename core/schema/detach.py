@@ -35,10 +35,11 @@ class DetachSettings(FrozenModel):
         0.8,
         gt=0,
         lt=1,
-        description="A contact is where the body is at most this share as thick as the thinner of the two parts",
+        description="A contact is where the body is at most this share as thick as the thinner of the two parts; with a sharp "
+        "crease around it, up to 0.95",
     )
     max_contact_cm2: float = Field(
-        100.0, gt=0, le=10_000, description="Largest contact that is opened: a larger cut would go through more than a contact"
+        250.0, gt=0, le=10_000, description="Largest contact that is opened: a larger cut would go through more than a contact"
     )
 
     @model_validator(mode="after")

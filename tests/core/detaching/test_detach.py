@@ -57,6 +57,26 @@ def test_balls_come_apart_along_the_disc_they_share(gap_mm: float) -> None:
     assert quality(result.mesh.vertices, result.mesh.faces[result.new]).min() > 0.3
 
 
+@pytest.mark.parametrize("apart_mm", [40.0, 30.0])
+def test_balls_sunk_into_each_other_up_to_their_radius_come_apart_along_their_disc(apart_mm: float) -> None:
+    result = opened(balls_grown_together(RADIUS_MM, apart_mm), BALLS_BOX, pieces=2)
+    (contact,) = result.contacts
+    assert contact.area_mm2 == pytest.approx(np.pi * (RADIUS_MM**2 - (apart_mm / 2) ** 2), rel=0.01)
+    assert np.allclose(contact.middle_mm, (apart_mm / 2, 0, 0), atol=0.3)
+    assert abs(contact.normal[0]) > 0.999
+    assert 1.0 <= contact.gap_mm < 1.2
+
+
+def test_a_waist_without_a_crease_is_no_deep_contact() -> None:
+    ball = sphere(30.0, 4)
+    along = ball.vertices[:, 0] / 30.0
+    slender = 1.0 - 0.12 * np.exp(-((along / 0.25) ** 2))  # where a creased one of 0.88 would be opened
+    peanut = ball.with_vertices(ball.vertices * np.column_stack((np.full(len(along), 2.0), slender, slender)))
+    with pytest.raises(InputError) as refused:
+        detach(peanut.rounded_to_float32(), settings({"min": [-70, -40, -40], "max": [70, 40, 40]}))
+    assert refused.value.code == "detach.no_contact"
+
+
 def test_a_ring_becomes_a_sausage_and_nothing_outside_of_the_box_changes() -> None:
     mesh, box = closed_ring(4.0), {"min": [20, -30, -15], "max": [60, 30, 15]}
     result = opened(mesh, box)
@@ -93,7 +113,7 @@ REFUSALS = {
     "one piece wanted, two made": (BALLS, BALLS_BOX, {"pieces": 1}, "detach.region_cuts_too_much"),
     "three pieces wanted, two made": (BALLS, BALLS_BOX, {"pieces": 3}, "detach.still_attached"),
     "contact too large": (BALLS, BALLS_BOX, {"max_contact_cm2": 5.0}, "detach.region_cuts_too_much"),
-    "hardly narrower": (BALLS, BALLS_BOX, {"narrowing": 0.4}, "detach.no_contact"),
+    "swallowed": (balls_grown_together(30.0, 24.0), BALLS_BOX, {}, "detach.no_contact"),
     "no room in the box": (BALLS, {"min": [-40, -40, -0.4], "max": [90, 40, 0.4]}, {}, "detach.no_room"),
 }
 
