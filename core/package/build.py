@@ -16,7 +16,7 @@ from core.package import gmsh, nastran, openmeeg, smesh
 from core.package.archive import write_archive
 from core.package.bem_fmm import FOLDER as BEM_FMM
 from core.package.bem_fmm import matlab_index, python_index
-from core.package.conductivity import look_up
+from core.package.conductivity import FREQUENCY, FREQUENCY_NOTE, look_up
 from core.package.manifest import FILE_NAME, FileEntry, Manifest, TissueEntry, find_input_checksums
 from core.package.merged_surfaces import merge
 from core.package.readme import readme_text
@@ -95,12 +95,7 @@ def _manifest(tissues: Sequence[Tissue], report: Report, files: dict[str, FileEn
         process=report.process,
         verdict=report.verdict,
         tissues=tuple(_tissue_entry(tissue, tags[tissue.name], files) for tissue in tissues),
-        notes=tuple(
-            f"no default conductivity is known for '{tissue.name}': {tissue.conductivity_s_per_m:g} S/m is that of muscle, "
-            "set your own"
-            for tissue in tissues
-            if _is_guess(tissue)
-        ),
+        notes=(FREQUENCY_NOTE, *(_guess_note(tissue) for tissue in tissues if _is_guess(tissue))),
         parameters=report.parameters,
         input_sha256=find_input_checksums(report.parameters),
         software=report.software,
@@ -124,9 +119,14 @@ def _tissue_entry(tissue: Tissue, tag: int, files: dict[str, FileEntry]) -> Tiss
         side=tissue.side,
         conductivity_s_per_m=tissue.conductivity_s_per_m,
         conductivity_source=default.source if is_default else "given with the tissue",
+        conductivity_frequency=FREQUENCY if is_default else None,
         enclosing_tissue=tissue.enclosing,
         region_tag=tag,
     )
+
+
+def _guess_note(tissue: Tissue) -> str:
+    return f"no default conductivity is known for '{tissue.name}': {tissue.conductivity_s_per_m:g} S/m is that of muscle, set your own"
 
 
 def _is_guess(tissue: Tissue) -> bool:
@@ -139,7 +139,7 @@ def _with_checksums(report: Report, checksums: dict[str, str]) -> Report:
         name: mesh.model_copy(update={"sha256": checksums[name]}) if name in checksums else mesh
         for name, mesh in report.meshes.items()
     }
-    return report.model_copy(update={"meshes": meshes})
+    return report.model_copy(update={"meshes": meshes, "methods": f"{report.methods} {FREQUENCY_NOTE}".strip()})
 
 
 def _entry(path: Path) -> FileEntry:

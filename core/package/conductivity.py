@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+
+from core.errors import InputError
 
 SIMNIBS = "SimNIBS standard conductivities"
+CITATION = (
+    "A. Thielscher, A. Antunes, G. B. Saturnino, Field modeling for transcranial magnetic stimulation: a useful tool to "
+    "understand the physiological effects of TMS?, EMBC 2015, doi:10.1109/EMBC.2015.7318340"
+)
+FREQUENCY = "quasi-static: brain stimulation, EEG; up to some 10 kHz"
+FREQUENCY_NOTE = (
+    f"Default conductivities are {SIMNIBS} ({CITATION}); they are {FREQUENCY}. Those of tissues rise with frequency, and above "
+    "some 100 kHz permittivity counts, too: give your own as conductivities_s_per_m."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +68,22 @@ def look_up(name: str) -> Conductivity:
     if found is not None:
         return found
     return Conductivity(_MUSCLE.siemens_per_metre, f"no default for this name; {_MUSCLE.source} was taken", known=False)
+
+
+def conductivities(
+    names: Iterable[str], own: Mapping[str, float], packed: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, float]:
+    """Name -> S/m: the caller's own, else that of the package it came in, else the default.
+
+    Raises: InputError `conductivity.unknown_tissue` if `own` has other names."""
+    tissues = list(names)
+    unknown = sorted(set(own) - set(tissues))
+    if unknown:
+        raise InputError(
+            "conductivity.unknown_tissue",
+            f"conductivities_s_per_m names {', '.join(unknown)}, the tissues are {', '.join(tissues)}",
+        )
+    return {name: own.get(name, packed.get(name, conductivity_of(name))) for name in tissues}
 
 
 def conductivity_of(name: str) -> float:

@@ -37,6 +37,9 @@ class TissueEntry(FrozenModel):
     side: Side | None = Field(None, description="`inside` or `outside` of the skin; null for the skin")
     conductivity_s_per_m: float = Field(description="Between this surface and the next ones inside")
     conductivity_source: str
+    conductivity_frequency: str | None = Field(
+        None, description="Frequencies a default stands for; null if the value was given, and in packages made before"
+    )
     enclosing_tissue: str = Field(description="Name of a tissue listed before, or FreeSpace")
     region_tag: int | None = Field(
         None, description="The tissue's number in gmsh, NASTRAN and TetGen files; null in packages made before these"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.errors import InternalError
 from core.mesh import Mesh
 from core.package.build import build_package
-from core.package.conductivity import conductivity_of
+from core.package.conductivity import conductivities
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.made_layers import MadeLayers, layer_notes, make_layers, marked_areas, thickness_reports
 from core.processes.outcome import Outcome, OutputFile
@@ -66,7 +66,7 @@ def deliver_layers(job: LayerJob, run: RunContext, out_dir: Path) -> Outcome:
     _require_proven(report, list(surfaces))
 
     run.stage("figures", 0.77, 0.94)
-    tissues = _tissues(made, report, surfaces)
+    tissues = _tissues(made, report, surfaces, inputs.conductivities_s_per_m)
     depths = {shell.name: shell.depth_mm for shell in made.shells}
     drawn = draw_shell_figures(tissues, depths, pairs=report.pairs, findings=report.findings, areas=marked_areas(made))
     figures = (*job.draw(surfaces), *drawn)
@@ -129,11 +129,11 @@ def _require_proven(report: Report, outermost_first: list[str]) -> None:
     raise InternalError("shells.not_proven", f"the shells made do not pass the proof: {words}", report=report, findings=())
 
 
-def _tissues(made: MadeLayers, report: Report, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
+def _tissues(made: MadeLayers, report: Report, surfaces: Mapping[str, Mesh], own: Mapping[str, float]) -> tuple[Tissue, ...]:
     depths = {name: layer.target_mm for name, layer in report.thickness.items()}
     sides = {shell.name: shell.side for shell in made.shells}
+    values = conductivities(surfaces, own)
     enclosing = dict(zip(surfaces, (FREE_SPACE, *surfaces), strict=False))
     return tuple(
-        Tissue(name, mesh, depths.get(name), conductivity_of(name), enclosing[name], sides.get(name))
-        for name, mesh in surfaces.items()
+        Tissue(name, mesh, depths.get(name), values[name], enclosing[name], sides.get(name)) for name, mesh in surfaces.items()
     )

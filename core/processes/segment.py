@@ -11,7 +11,7 @@ from core.io.canonical_volume import load_volume
 from core.label_volume import LabelVolume
 from core.mesh import Mesh
 from core.package.build import build_package
-from core.package.conductivity import conductivity_of
+from core.package.conductivity import conductivities
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.outcome import Outcome, OutputFile
 from core.processes.proof import validate_once
@@ -65,6 +65,7 @@ def run_segment(inputs: SegmentInputs, meshes: Mapping[str, Mapping[str, Any]], 
     made = step.checkpoint(
         "segment", lambda: segment(volume, inputs, inputs.min_gap_mm, step), volume.labels, volume.affine, asked
     )
+    values = conductivities(made, inputs.conductivities_s_per_m)
     delivered = write_and_read_back({name: each.mesh for name, each in made.items()}, out_dir)
     after = validate_once(delivered, inputs.min_gap_mm, run.stage("prove", 0.6, 0.8))
     report = _report(inputs, made, after, {**asked, "volume": source})
@@ -74,7 +75,7 @@ def run_segment(inputs: SegmentInputs, meshes: Mapping[str, Mapping[str, Any]], 
     figures = draw_mesh_figures(shown, pairs=report.pairs, findings=report.findings)
     run.stage("package", 0.95, 1.0)
     package = out_dir / "package.zip"
-    packed = build_package(package, _tissues(report, shown), report, figures)
+    packed = build_package(package, _tissues(report, shown, values), report, figures)
     require_unchanged(package, delivered)
     files = tuple(OutputFile(name, Path(f"{name}.stl"), "model/stl", f"{name}.stl") for name in delivered)
     zipped = OutputFile("package", Path(package.name), "application/zip", package.name)
@@ -124,7 +125,5 @@ def _require_proven(report: Report, after: Validation) -> None:
         raise InternalError("segment.not_proven", f"the surfaces made do not pass the proof: {words}", report=report)
 
 
-def _tissues(report: Report, surfaces: Mapping[str, Mesh]) -> tuple[Tissue, ...]:
-    return tuple(
-        Tissue(name, mesh, None, conductivity_of(name), report.nesting[name] or FREE_SPACE) for name, mesh in surfaces.items()
-    )
+def _tissues(report: Report, surfaces: Mapping[str, Mesh], values: Mapping[str, float]) -> tuple[Tissue, ...]:
+    return tuple(Tissue(name, mesh, None, values[name], report.nesting[name] or FREE_SPACE) for name, mesh in surfaces.items())

@@ -11,7 +11,6 @@ from core.errors import InternalError
 from core.geometry.deviation import Deviation, measure_deviation
 from core.mesh import Mesh
 from core.package.build import build_package
-from core.package.conductivity import conductivity_of
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.loaded_surfaces import LoadedSurfaces
 from core.processes.outcome import Outcome, OutputFile, with_originals
@@ -135,13 +134,12 @@ def _require_proven(job: SurfaceJob, report: Report, after: Validation, deviatio
 
 
 def _tissues(job: SurfaceJob, report: Report) -> tuple[Tissue, ...]:
-    """As the package that came has them, else with the defaults for their names."""
+    """With depths and sides as the package that came has them."""
     tissues = []
     for name in report.meshes:
         known = job.source.tissues.get(name)
         enclosing = report.nesting[name] or FREE_SPACE
-        if known is None:
-            tissues.append(Tissue(name, job.made[name], None, conductivity_of(name), enclosing))
-        else:
-            tissues.append(Tissue(name, job.made[name], known.depth_mm, known.conductivity_s_per_m, enclosing, known.side))
+        depth_mm, side = (None, None) if known is None else (known.depth_mm, known.side)
+        conductivity = job.source.conductivities_s_per_m[name]
+        tissues.append(Tissue(name, job.made[name], depth_mm, conductivity, enclosing, side))
     return tuple(tissues)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import InputError
-from core.package.conductivity import conductivity_of
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.loaded_surfaces import LoadedSurfaces, load_surfaces
 from core.processes.outcome import Outcome
@@ -76,9 +75,8 @@ def _require_fit(inputs: TetrahedralizeInputs, source: LoadedSurfaces, before: V
 
 
 def _tissues(source: LoadedSurfaces, before: Validation) -> tuple[Tissue, ...]:
-    known = {name: tissue.conductivity_s_per_m for name, tissue in source.tissues.items()}
     return tuple(
-        Tissue(name, mesh, None, known.get(name, conductivity_of(name)), before.nesting[name] or FREE_SPACE)
+        Tissue(name, mesh, None, source.conductivities_s_per_m[name], before.nesting[name] or FREE_SPACE)
         for name, mesh in source.meshes.items()
     )
 

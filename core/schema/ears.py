@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from core.schema.conductivities import ConductivityInputs
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
 from core.schema.shells import (
@@ -18,6 +19,7 @@ from core.schema.shells import (
     SkinShiftMm,
     require_distinct,
     require_ordered,
+    require_tissues,
 )
 from core.schema.validate import MeshName
 
@@ -44,7 +46,7 @@ class CanalShape(FrozenModel):
     bend_mm: float = Field(2.0, ge=0, le=3.5, description="Swing of the S to either side")
 
 
-class EarsInputs(FrozenModel):
+class EarsInputs(ConductivityInputs):
     """A skin whose ears get thinner layers. The defaults are the thesis' case (6.4)."""
 
     skin: MeshReference
@@ -73,6 +75,7 @@ class EarsInputs(FrozenModel):
     def _consistent(self) -> EarsInputs:
         require_distinct(self.layers)
         require_ordered("ear_depths_mm", self.layers, self.ear_depths_mm)
+        require_tissues(self.conductivities_s_per_m, ["skin", *(layer.name for layer in self.layers)])
         depths = [(region.name, region.depths_mm) for region in self.regions]
         if self.ears != "auto":
             depths += [(ear.name, ear.depths_mm) for ear in self.ears if ear.depths_mm is not None]
@@ -91,4 +94,5 @@ class EarsInputs(FrozenModel):
             thin_policy=self.thin_policy,
             min_gap_mm=self.min_gap_mm,
             skin_shift_mm=self.skin_shift_mm,
+            conductivities_s_per_m=self.conductivities_s_per_m,
         )

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from core.schema.conductivities import Conductivity, ConductivityInputs
 from core.schema.decimate import DecimateInputs, DecimateParameters
 from core.schema.detach import DetachSettings
 from core.schema.ears import DEFAULT_LAYERS, THESIS_DEPTHS_MM, CanalShape, EarRegion, EarsInputs
@@ -22,6 +23,7 @@ from core.schema.shells import (
     SkinShiftMm,
     require_distinct,
     require_ordered,
+    require_tissues,
 )
 from core.schema.smooth import SmoothInputs, SmoothParameters
 from core.schema.tetrahedralize import TetrahedraParameters
@@ -36,8 +38,8 @@ class InnerTissue(FrozenModel):
 
     name: MeshName
     mesh: MeshReference
-    conductivity_s_per_m: float | None = Field(
-        None, ge=0, le=1e8, description="Default is that of the name, or of muscle if nobody knows it"
+    conductivity_s_per_m: Conductivity | None = Field(
+        None, description="Default is that of the name, or of muscle if nobody knows it"
     )
     inside: MeshName | None = Field(
         None, description="Layer or tissue that must be the next one around it, or the job is refused. Default: whichever it is"
@@ -56,7 +58,7 @@ class TissueGaps(FrozenModel):
     max_shift_mm: float = Field(5.0, gt=0, le=100, description="No vertex goes farther from where it was")
 
 
-class PrepareInputs(FrozenModel):
+class PrepareInputs(ConductivityInputs):
     """A skin and the steps on its way to a model. Steps set to null are left out; the defaults are the thesis' full-body case."""
 
     skin: MeshReference
@@ -122,6 +124,11 @@ class PrepareInputs(FrozenModel):
         for tissue in self.tissues:
             if tissue.inside is not None and (tissue.inside not in names or tissue.inside == tissue.name):
                 raise ValueError(f"tissue '{tissue.name}' is to be inside '{tissue.inside}'; there are {', '.join(names)}")
+        require_tissues(self.conductivities_s_per_m, ["skin", *names])
+        with_own = {tissue.name for tissue in self.tissues if tissue.conductivity_s_per_m is not None}
+        twice = sorted(with_own & set(self.conductivities_s_per_m))
+        if twice:
+            raise ValueError(f"conductivities_s_per_m and tissues both give that of {', '.join(twice)}")
         inner = {tissue.name for tissue in self.tissues}
         if self.separate is not None and set(self.separate.priority) - inner:
             raise ValueError(f"priority names {sorted(set(self.separate.priority) - inner)}, the tissues are {sorted(inner)}")

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from core.schema.conductivities import ConductivityInputs
 from core.schema.model import FrozenModel
 from core.schema.reference import VolumeReference
 from core.schema.surfaces import RESERVED_NAMES
@@ -55,7 +56,7 @@ class SegmentParameters(FrozenModel):
         return self
 
 
-class SegmentInputs(SegmentParameters):
+class SegmentInputs(ConductivityInputs, SegmentParameters):
     """A volume of labels, and what becomes of it."""
 
     volume: VolumeReference = Field(description="An uploaded label volume (NIfTI)")

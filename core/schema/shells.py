@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from core.schema.conductivities import ConductivityInputs
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
 from core.schema.validate import MeshName
@@ -73,7 +75,7 @@ class Region(FrozenModel):
     blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
 
 
-class ShellsInputs(FrozenModel):
+class ShellsInputs(ConductivityInputs):
     """A skin and the layers wanted, from outside inwards. The defaults are the thesis' full-body case."""
 
     skin: MeshReference
@@ -96,6 +98,7 @@ class ShellsInputs(FrozenModel):
         require_distinct(self.layers)
         for region in self.regions:
             require_ordered(f"region '{region.name}'", self.layers, region.depths_mm)
+        require_tissues(self.conductivities_s_per_m, ["skin", *(layer.name for layer in self.layers)])
         return self
 
 
@@ -106,6 +109,13 @@ def require_distinct(layers: tuple[Layer, ...]) -> None:
     if len({name.lower() for name in (*names, *RESERVED_NAMES)}) != len(names) + len(RESERVED_NAMES):
         raise ValueError(f"layer names must differ from each other and from {', '.join(RESERVED_NAMES)}: {names}")
     _require_inwards("layers", layers, {})
+
+
+def require_tissues(conductivities: Mapping[str, float], tissues: Sequence[str]) -> None:
+    """Raises: ValueError if a name is not among the tissues."""
+    unknown = sorted(set(conductivities) - set(tissues))
+    if unknown:
+        raise ValueError(f"conductivities_s_per_m names {', '.join(unknown)}, the tissues are {', '.join(tissues)}")
 
 
 def require_ordered(where: str, layers: tuple[Layer, ...], depths_mm: dict[str, float]) -> None:

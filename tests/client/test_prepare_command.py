@@ -47,7 +47,7 @@ def test_ears_tissues_and_steps_are_sent_as_typed(state: State, files: dict[str,
         state,
         *(files["skin"], "--ears", "auto", "--canal", files["left"], "--decimate", "0.5", "--no-heal"),
         *("--tissue", f"skull={files['skull']}", "--tissue", f"brain={files['brain']}"),
-        *("--inside", "brain=skull", "--conductivity", "brain=0.33"),
+        *("--inside", "brain=skull", "--conductivity", "brain=0.33", "--conductivity", "skin=0.4"),
         *("--detach", "arm:1,2,3:4,5,6", "--smooth", "--tissue-gap", "0.2"),
         *("--mesher", "tetgen", "--radius-edge", "0", "--max-volume", "fat=5", "--skin-shift", "1"),
     )
@@ -57,11 +57,11 @@ def test_ears_tissues_and_steps_are_sent_as_typed(state: State, files: dict[str,
         "name": "brain",
         "mesh": None,
         "inside": "skull",
-        "conductivity_s_per_m": 0.33,
     }
+    assert inputs["conductivities_s_per_m"] == {"brain": 0.33, "skin": 0.4}
     assert inputs["tetrahedra"] == {"mesher": "tetgen", "radius_edge": None, "max_volume_mm3": {"fat": 5.0}}
     assert inputs["detach"] == {"regions": [{"name": "arm", "box_mm": {"min": [1.0, 2.0, 3.0], "max": [4.0, 5.0, 6.0]}}]}
-    assert inputs["smooth"] == {"retriangulate": True, "max_shift_mm": 1.0}
+    assert inputs["smooth"] == {}
     assert inputs["separate"] == {"gap_mm": 0.2}
     assert len(inputs["canals"]) == 1
     assert len(state.uploads) == 4

@@ -14,6 +14,7 @@ from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
     BlendOption,
     CanalOption,
+    ConductivityOption,
     EarDepthOption,
     GenerateCanalsOption,
     LayerOption,
@@ -28,6 +29,7 @@ from integument.cli.options import (
 )
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
+from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 
 AUTO = "auto"
@@ -55,6 +57,7 @@ def ears(
     thin_policy: ThinPolicyOption = "adapt",
     min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,
+    conductivity: ConductivityOption = None,
     output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
@@ -73,6 +76,8 @@ def ears(
         inputs["min_gap_mm"] = min_gap
     if skin_shift is not None:
         inputs["skin_shift_mm"] = skin_shift
+    if conductivity:
+        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]

@@ -15,6 +15,7 @@ from integument.cli.layer_text import read_layers, read_region
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
+    ConductivityOption,
     LayerOption,
     MinGapOption,
     OuterLayerOption,
@@ -28,6 +29,7 @@ from integument.cli.options import (
 )
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
+from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 
 
@@ -48,6 +50,7 @@ def shells(
     thin_policy: ThinPolicyOption = "adapt",
     min_gap: MinGapOption = None,
     skin_shift: SkinShiftOption = None,
+    conductivity: ConductivityOption = None,
     output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
@@ -62,6 +65,8 @@ def shells(
         inputs["min_gap_mm"] = min_gap
     if skin_shift is not None:
         inputs["skin_shift_mm"] = skin_shift
+    if conductivity:
+        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     require_mesh(skin)

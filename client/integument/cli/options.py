@@ -52,6 +52,10 @@ BlendOption: TypeAlias = Annotated[
 ThinPolicyOption: TypeAlias = Annotated[
     Literal["adapt", "fail"], typer.Option(help="Where anatomy is thinner than a depth: fade the depth, or refuse.")
 ]
+ConductivityOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=S/M", help="Conductivity of a tissue, in place of the default of its name; repeat."),
+]
 MesherOption: TypeAlias = Annotated[
     Literal["tetgen", "gmsh"] | None,
     typer.Option(help="Who makes the tetrahedra; default tetgen. gmsh takes longer and leaves fewer flat ones."),

@@ -23,6 +23,7 @@ from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
     BlendOption,
     CanalOption,
+    ConductivityOption,
     EarDepthOption,
     GenerateCanalsOption,
     LayerOption,
@@ -43,7 +44,6 @@ from integument.cli.tissue_text import read_conductivities, read_pairs
 from integument.errors import ArgumentError
 
 TISSUE_FORM = "NAME=MESH"
-MOST_SMOOTHED_MM = 1.0
 
 
 def register(app: typer.Typer) -> None:
@@ -65,7 +65,7 @@ def prepare(
         typer.Option(metavar="BOX", help=f"Box round parts that are grown together where they touch, {BOX_FORM} in mm; repeat."),
     ] = None,
     smooth: Annotated[
-        bool, typer.Option("--smooth", help="Smooth the skin for better triangles, no vertex farther than 1 mm.")
+        bool, typer.Option("--smooth", help="Smooth the skin for better triangles, no vertex farther than 0.5 mm.")
     ] = False,
     boxes: Annotated[
         list[str] | None, typer.Option("--ears", metavar="BOX", help=f"auto: find both ears; or a box, {BOX_FORM} in mm; repeat.")
@@ -85,9 +85,7 @@ def prepare(
         list[str] | None,
         typer.Option(metavar="NAME=NAME", help="Tissue and the one that must be next around it, or the job is refused; repeat."),
     ] = None,
-    conductivity: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=S/M", help="Conductivity of a tissue, in S/m; default is that of its name.")
-    ] = None,
+    conductivity: ConductivityOption = None,
     separate: Annotated[
         bool, typer.Option("--separate/--no-separate", help="Move tissues that touch or cross apart, or refuse them.")
     ] = True,
@@ -133,7 +131,7 @@ def prepare(
     if detach:
         inputs["detach"] = {"regions": [read_box(text, "--detach") for text in detach]}
     if smooth:
-        inputs["smooth"] = {"retriangulate": True, "max_shift_mm": MOST_SMOOTHED_MM}
+        inputs["smooth"] = {}
     if tissue_gap is not None:
         inputs["separate"] = {"gap_mm": tissue_gap}
     if ratio is not None or faces is not None:
@@ -156,7 +154,9 @@ def prepare(
     wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]
     tissues = {name: require_mesh(mesh) for name, mesh in read_pairs(tissue or (), "--tissue", TISSUE_FORM).items()}
-    about = _about_tissues(tissues, inside or [], conductivity or [])
+    about = _about_tissues(tissues, inside or [])
+    if conductivity:
+        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
     require_mesh(skin)
     with connect(options) as session:
         view = options.progress_view()
@@ -177,14 +177,11 @@ def _tetrahedra(mesher: str | None, radius_edge: float | None, max_volume: list[
     return asked | ({"max_volume_mm3": read_volumes(max_volume)} if max_volume else {})
 
 
-def _about_tissues(tissues: dict[str, str], inside: list[str], conductivity: list[str]) -> dict[str, dict[str, Any]]:
+def _about_tissues(tissues: dict[str, str], inside: list[str]) -> dict[str, dict[str, Any]]:
     """Tissue -> what was said of it. Raises: ArgumentError about a name that is no --tissue."""
     about: dict[str, dict[str, Any]] = {name: {} for name in tissues}
-    around = read_pairs(inside, "--inside", "NAME=NAME")
-    values = read_conductivities(conductivity)
-    for option, key, given in (("--inside", "inside", around), ("--conductivity", "conductivity_s_per_m", values)):
-        for name, value in given.items():
-            if name not in about:
-                raise ArgumentError(f"{option} {name}: there is no --tissue {name}")
-            about[name][key] = value
+    for name, around in read_pairs(inside, "--inside", "NAME=NAME").items():
+        if name not in about:
+            raise ArgumentError(f"--inside {name}: there is no --tissue {name}")
+        about[name]["inside"] = around
     return about

@@ -11,9 +11,10 @@ from integument.cli.job_run import Wanted, run_to_end
 from integument.cli.layer_text import read_label_names
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
-from integument.cli.options import PackageOption, ReportOption
+from integument.cli.options import ConductivityOption, PackageOption, ReportOption
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
+from integument.cli.tissue_text import read_conductivities
 
 
 def register(app: typer.Typer) -> None:
@@ -48,6 +49,7 @@ def segment(
         float | None, typer.Option(metavar="SHARE", help="Share of the faces that stays; default 0.33.")
     ] = None,
     min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Gap between every two surfaces; default 0.1.")] = None,
+    conductivity: ConductivityOption = None,
     output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
@@ -62,6 +64,7 @@ def segment(
         "smoothing": smoothing,
         "faces_share": faces_share,
         "min_gap_mm": min_gap,
+        "conductivities_s_per_m": read_conductivities(conductivity or []) or None,
     }
     inputs = {key: value for key, value in given.items() if value is not None}
     wanted = Wanted({} if output is None else {"package": output}, report)

@@ -19,6 +19,7 @@ from integument.cli.layer_text import (
     read_volumes,
 )
 from integument.cli.options import (
+    ConductivityOption,
     MesherOption,
     MinGapOption,
     PackageOption,
@@ -31,6 +32,7 @@ from integument.cli.options import (
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
 from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
+from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 from integument.surface_processes import Unit
 
@@ -69,11 +71,13 @@ def heal(
         float | None, typer.Option(metavar="SHARE", help="Refuse to change the area more; default 0.25.")
     ] = None,
     min_gap: MinGapOption = None,
+    conductivity: ConductivityOption = None,
     output: SurfaceOption = None,
     report: ReportOption = None,
 ) -> None:
     """Make defective surfaces closed, manifold and free of self-intersection, with the smallest change."""
     inputs = _given(
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         pieces=pieces,
         min_piece_share=min_piece_share,
         fill_holes=None if fill_holes else False,
@@ -108,6 +112,7 @@ def decimate(
     ] = None,
     literal: Annotated[bool, typer.Option("--literal", help="Appendix A of the thesis, without guards; for comparison.")] = False,
     min_gap: MinGapOption = None,
+    conductivity: ConductivityOption = None,
     output: SurfaceOption = None,
     report: ReportOption = None,
 ) -> None:
@@ -118,6 +123,7 @@ def decimate(
     if len(given) != 1:
         raise ArgumentError(f"exactly one of --ratio, --faces and --max-deviation is wanted, got {' and '.join(given) or 'none'}")
     inputs = _given(
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         target_ratio=ratio,
         target_faces=faces,
         max_deviation_mm=max_deviation,
@@ -152,11 +158,13 @@ def smooth(
         list[str] | None, typer.Option(metavar="BOX", help=f"Smooth only in this box; repeat. {BOX_FORM} in mm")
     ] = None,
     min_gap: MinGapOption = None,
+    conductivity: ConductivityOption = None,
     output: SurfaceOption = None,
     report: ReportOption = None,
 ) -> None:
     """Better triangles or less noise, without self-intersection."""
     inputs = _given(
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         method=method,
         iterations=iterations,
         stop=stop,
@@ -187,11 +195,13 @@ def separate(
         float | None, typer.Option(metavar="MM", help="No vertex goes farther from where it was; default 5.")
     ] = None,
     min_gap: Annotated[float | None, typer.Option(metavar="MM", help="Gap between every two surfaces; default 0.1.")] = None,
+    conductivity: ConductivityOption = None,
     output: PackageOption = None,
     report: ReportOption = None,
 ) -> None:
     """Open a thin gap between surfaces that cross or touch, moving them as little as possible."""
     inputs = _given(
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         fixed=fixed or None,
         priority=read_priorities(priority or []) or None,
         inside=read_inside(inside or []) or None,
@@ -214,11 +224,17 @@ def tetrahedralize(
         list[str] | None, typer.Option(metavar="NAME=MM3", help="Largest tetrahedron of a tissue, in mm³; repeat.")
     ] = None,
     min_gap: MinGapOption = None,
+    conductivity: ConductivityOption = None,
     output: VolumeOption = None,
     report: ReportOption = None,
 ) -> None:
     """Fill closed surfaces with tetrahedra, one region per tissue."""
-    inputs = _given(mesher=mesher, max_volume_mm3=read_volumes(max_volume or []) or None, min_gap_mm=min_gap)
+    inputs = _given(
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
+        mesher=mesher,
+        max_volume_mm3=read_volumes(max_volume or []) or None,
+        min_gap_mm=min_gap,
+    )
     if radius_edge is not None:
         inputs["radius_edge"] = radius_edge or None
     _run(ctx, "tetrahedralize", surfaces, unit, inputs, output, report, "vtu" if output and output.suffix == ".vtu" else "msh")

@@ -11,7 +11,7 @@ from core.errors import IntegumentError
 from core.io.registry import write_mesh
 from core.mesh import Mesh
 from core.package.build import build_package
-from core.package.conductivity import conductivity_of
+from core.package.conductivity import conductivities
 from core.package.tissue import FREE_SPACE, Tissue
 from core.processes.made_layers import MadeLayers, marked_areas, thickness_reports
 from core.processes.outcome import Outcome, OutputFile
@@ -54,14 +54,13 @@ def as_tissues(
     surfaces = {**layers.surfaces(), **inner}
     thickness = thickness_reports(layers, inputs.as_shells(()))
     sides = {shell.name: shell.side for shell in layers.shells}
-    given = {tissue.name: tissue.conductivity_s_per_m for tissue in inputs.tissues}
+    given = {each.name: each.conductivity_s_per_m for each in inputs.tissues if each.conductivity_s_per_m is not None}
+    values = conductivities(surfaces, {**inputs.conductivities_s_per_m, **given})
     tissues = []
     for name in in_nesting_order(validation.nesting):
         depth_mm = thickness[name].target_mm if name in thickness else None
-        known = given.get(name)
-        conductivity = conductivity_of(name) if known is None else known
         enclosing = validation.nesting[name] or FREE_SPACE
-        tissues.append(Tissue(name, surfaces[name], depth_mm, conductivity, enclosing, sides.get(name)))
+        tissues.append(Tissue(name, surfaces[name], depth_mm, values[name], enclosing, sides.get(name)))
     return tuple(tissues)
 
 

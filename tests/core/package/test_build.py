@@ -17,7 +17,7 @@ import yaml
 
 from core.io.registry import read_meshes, write_mesh
 from core.package.build import build_package
-from core.package.conductivity import look_up
+from core.package.conductivity import FREQUENCY, FREQUENCY_NOTE, look_up
 from core.package.manifest import FileEntry, Manifest, TissueEntry
 from core.schema.report import Report
 from tests.core.package.nested import figures, report, tissues
@@ -147,7 +147,8 @@ def test_manifest_is_true(folder):
     assert manifest.input_sha256 == {"skin": "cd" * 32}
     assert manifest.parameters["min_gap_mm"] == 0.05
     assert manifest.software["integument-server"] == "0.1.0"
-    assert manifest.notes == ()
+    assert manifest.notes == (FREQUENCY_NOTE,)
+    assert {tissue.conductivity_frequency for tissue in manifest.tissues} == {FREQUENCY}
     on_disk = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert set(manifest.files) == on_disk - {"manifest.json"}
     for name, entry in manifest.files.items():
@@ -161,6 +162,7 @@ def test_manifest_is_true(folder):
 def test_report_in_the_package_names_the_delivered_files(built, folder):
     packed = built[1]
     assert Report.model_validate_json((folder / "report" / "report.json").read_bytes()) == packed
+    assert packed.methods.endswith(FREQUENCY_NOTE)
     for name, mesh in packed.meshes.items():
         assert mesh.sha256 == hashlib.sha256((folder / "stl" / f"{name}.stl").read_bytes()).hexdigest()
         assert str(mesh.sha256) in (folder / "report" / "report.html").read_text(encoding="utf-8")
@@ -171,16 +173,17 @@ def test_an_unknown_tissue_gets_a_note(tmp_path):
     build_package(tmp_path / "p.zip", (*tissues()[:2], unknown), report(), ())
     with zipfile.ZipFile(tmp_path / "p.zip") as archive:
         manifest = json.loads(archive.read("manifest.json"))
-    assert len(manifest["notes"]) == 1
-    assert "blubber" in manifest["notes"][0]
-    assert "0.16 S/m" in manifest["notes"][0]
+    _, guess = manifest["notes"]
+    assert "blubber" in guess
+    assert "0.16 S/m" in guess
     own_value = replace(unknown, conductivity_s_per_m=0.05)
     build_package(tmp_path / "q.zip", (*tissues()[:2], own_value), report(), ())
     with zipfile.ZipFile(tmp_path / "q.zip") as archive:
         manifest = json.loads(archive.read("manifest.json"))
         assert ">blubber : blubber.mat : 0.0500 : fat" in archive.read("bem-fmm/tissue_index.txt").decode()
-    assert manifest["notes"] == []
+    assert manifest["notes"] == [FREQUENCY_NOTE]
     assert manifest["tissues"][2]["conductivity_source"] == "given with the tissue"
+    assert manifest["tissues"][2]["conductivity_frequency"] is None
 
 
 def test_same_bytes_at_another_time_and_place(built, tmp_path):

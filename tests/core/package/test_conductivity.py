@@ -2,7 +2,8 @@
 
 import pytest
 
-from core.package.conductivity import conductivity_of, look_up
+from core.errors import InputError
+from core.package.conductivity import conductivities, conductivity_of, look_up
 
 
 @pytest.mark.parametrize(
@@ -34,3 +35,17 @@ def test_unknown_names_say_so():
     assert not found.known
     assert found.siemens_per_metre == 0.16
     assert found.source.startswith("no default for this name")
+
+
+def test_the_callers_own_comes_before_that_of_the_package_and_that_before_the_default():
+    assert conductivities(["skin", "fat", "csf"], {"skin": 0.4}, {"skin": 0.3, "fat": 0.05}) == {
+        "skin": 0.4,
+        "fat": 0.05,
+        "csf": 1.654,
+    }
+
+
+def test_a_tissue_that_is_not_there_is_refused_by_name():
+    with pytest.raises(InputError, match=r"bone.*the tissues are skin, fat") as error:
+        conductivities(["skin", "fat"], {"bone": 0.01})
+    assert error.value.code == "conductivity.unknown_tissue"

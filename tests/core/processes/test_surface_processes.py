@@ -251,7 +251,7 @@ def test_what_is_not_proven_is_not_handed_out(made: Mesh, words: str, tmp_path: 
     job = SurfaceJob(
         process="decimate",
         not_proven="decimate.not_proven",
-        source=LoadedSurfaces({"mesh": BALL}, {}, {}, (), together=False),
+        source=LoadedSurfaces({"mesh": BALL}, {}, {}, (), {"mesh": 0.16}, together=False),
         before=before,
         made={"mesh": made.rounded_to_float32()},
         min_gap_mm=0.05,
