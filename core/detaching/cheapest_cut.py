@@ -25,8 +25,8 @@ TIE_COST = 2 * SIDE_COST  # of a cube under the skin that is on another side of 
 def find_seeds(depth: Floats, core: Core, others: tuple[Core, ...], size_mm: float) -> NDArray[np.int8]:
     """What surely belongs to the part of a core, 1, and to that of others, 2; (X, Y, Z), 0 elsewhere.
 
-    depth: (X, Y, Z) mm, 0 outside of what is to be cut. What is as deep as a seed has a ball around it within the body: seeds grow
-    by that, as far as the other part leaves them. Small ones would be cut out of their own part: that costs less."""
+    depth: (X, Y, Z) mm, 0 outside of what is to be cut. What is as deep as a seed has a ball around it within the body: seeds
+    grow by that, as far as the other part leaves them. Small ones would be cut out of their own part: that costs less."""
     seeds = np.zeros(depth.shape, dtype=np.int8)
     level = core.pass_mm + SEED_LEVEL * (core.depth_mm - core.pass_mm)
     pieces, _count = label(depth > level)
