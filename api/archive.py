@@ -34,12 +34,13 @@ class TakenArchive:
 
 @contextmanager
 def take_archive(
-    services: Services, workspace: WorkspaceId, received: ReceivedFile, unit: str, folder: Path
+    services: Services, workspace: WorkspaceId, received: ReceivedFile, unit: str, folder: Path, *, volumes: bool
 ) -> Iterator[TakenArchive]:
-    """`folder` is scratch space. The meshes are kept if the block ends well; whatever stops it, here or there, none is.
+    """Meshes, or label `volumes` in their place. `folder` is scratch space. What was taken is kept if the block ends well;
+    whatever stops it, here or there, nothing is.
 
     Raises what `core.processes.unpack` raises, LimitError `limit.*`, `quota.bytes`, `storage.full`, InternalError `child.*`."""
-    told = _unpack(services, received, folder)
+    told = _unpack(services, received, folder, volumes=volumes)
     meshes: list[tuple[str, MeshRecord]] = []
     refused: list[RefusedSubject] = []
     try:
@@ -67,12 +68,13 @@ def take_archive(
         raise
 
 
-def _unpack(services: Services, received: ReceivedFile, folder: Path) -> dict[str, Any]:
+def _unpack(services: Services, received: ReceivedFile, folder: Path, *, volumes: bool) -> dict[str, Any]:
     settings = services.settings
     payload = {
         "path": str(received.path),
         "file_name": received.file_name,
         "out_dir": str(folder),
+        "volumes": volumes,
         "most": settings.cohort_subjects,
         "most_bytes": int(settings.job_file_bytes),
     }

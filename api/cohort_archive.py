@@ -8,7 +8,7 @@ from functools import partial
 from pydantic import ValidationError
 
 from api.archive import TakenArchive, take_archive
-from api.cohort_request import accept_cohort, find_cohort, put_together, read_cohort, validated
+from api.cohort_request import accept_cohort, find_cohort, put_together, read_cohort, subject_target, validated
 from api.idempotency import Once, fingerprint_of
 from api.intake import require_unit
 from api.links import BASE, mesh_path
@@ -18,6 +18,7 @@ from api.services import Services
 from api.upload_form import ReceivedFile
 from api.violations import ViolationsError
 from core.errors import InputError
+from core.schema.cohort import takes_volume
 from core.schema.reference import MeshReference
 from store.callback import Subscriber
 from store.cohort import Cohort
@@ -60,7 +61,9 @@ def cohort_of_archive(
         [any_subject] = put_together(settings, [SubjectRequest(mesh=_ANY)])
         if not settings.subjects:  # what is wrong for all is told before hundreds of files are read
             validated(find_process(settings.process), any_subject)
-        with take_archive(services, workspace, received, unit, received.path.parent) as taken:
+        process = find_process(settings.process)
+        volumes = takes_volume(process.inputs, subject_target(process, settings.subject_input))
+        with take_archive(services, workspace, received, unit, received.path.parent, volumes=volumes) as taken:
             subjects = put_together(settings, _subjects(settings, taken))
             new = read_cohort(services, workspace, settings, subjects, refused=taken.refused, subscriber=subscriber)
             return accept_cohort(services, workspace, new, once)
@@ -76,7 +79,7 @@ def _subjects(settings: ArchiveSettings, taken: TakenArchive) -> list[SubjectReq
     names = {name for name, _ in taken.meshes} | {one.subject for one in taken.refused}
     for name in own:
         if name not in names:
-            raise InputError("cohort.subject_unknown", f"The archive has no mesh called '{name}'", name=name)
+            raise InputError("cohort.subject_unknown", f"The archive has no subject called '{name}'", name=name)
     return [
         SubjectRequest(name=name, mesh=MeshReference(href=mesh_path(record.id)), inputs=own.get(name, {}))
         for name, record in taken.meshes

@@ -49,7 +49,7 @@ def require_few(services: Services, count: int) -> None:
 def put_together(settings: CohortSettings, subjects: Sequence[SubjectRequest]) -> list[Wanted]:
     """Raises StateError `process.not_found`, InputError `cohort.no_mesh_input`."""
     process = find_process(settings.process)
-    target = _target(process, settings.subject_input) if any(one.mesh is not None for one in subjects) else None
+    target = subject_target(process, settings.subject_input) if any(one.mesh is not None for one in subjects) else None
     return [
         Wanted(
             place,
@@ -103,7 +103,8 @@ def find_cohort(services: Services, workspace: WorkspaceId, kept: Mapping[str, A
     return services.cohorts.get(workspace, str(kept["cohort"]))
 
 
-def _target(process: ProcessDescription, named: str | None) -> str:
+def subject_target(process: ProcessDescription, named: str | None) -> str:
+    """The input that takes the mesh of a subject. Raises InputError `cohort.no_mesh_input`."""
     if named is not None and named not in process.inputs.model_fields:
         raise InputError("cohort.no_mesh_input", f"Process '{process.id}' has no input '{named}'; subjectInput names one it has")
     target = named or subject_input_of(process.inputs)

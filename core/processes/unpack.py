@@ -8,9 +8,10 @@ from zipfile import ZipFile
 
 from core.errors import InputError, LimitError
 from core.io.naming import clean_name, make_unique
+from core.io.nifti import EXTENSIONS as VOLUMES
 from core.package.entries import BROKEN, open_zip, unpack
 
-SUFFIXES = frozenset({".stl", ".mat", ".ply", ".obj"})
+MESHES = (".stl", ".mat", ".ply", ".obj")
 IGNORED_SHOWN = 100
 LONGEST_FILE_NAME = 200
 
@@ -18,17 +19,20 @@ LONGEST_FILE_NAME = 200
 def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     """Unpack the zip at payload["path"] (called `file_name` by the user) into `out_dir`.
 
+    payload["volumes"]: label volumes are wanted in place of meshes.
     Returns {"files": [{"name", "file_name", "path", "size", "sha256"} or {"name", "file_name", "code", "message"}], "ignored":
-    [names]}: mesh files by their suffix, in the order of their names; those that are broken with the reason.
+    [names]}: wanted files by how their names end, in the order of their names; those that are broken with the reason.
     Raises: InputError `archive.corrupt`, `archive.empty`, LimitError `archive.too_large`, `archive.too_many`.
     """
     del channel
     path, shown = Path(payload["path"]), str(payload["file_name"])
     try:
         with open_zip(path) as archive:
-            wanted, ignored = _choose(archive)
+            endings = VOLUMES if payload["volumes"] else MESHES
+            wanted, ignored = _choose(archive, endings)
+            _require_some(wanted, shown, endings)
             _require_bounds(archive, wanted, shown, payload["most"], payload["most_bytes"])
-            names = make_unique(clean_name(PurePosixPath(name).stem, "subject") for name in wanted)
+            names = make_unique(clean_name(_stem(name, endings), "subject") for name in wanted)
             files = [
                 _unpack(archive, entry, name, Path(payload["out_dir"]) / str(number))
                 for number, (entry, name) in enumerate(zip(wanted, names, strict=True))
@@ -44,22 +48,31 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
     return {"files": files, "ignored": ignored[:IGNORED_SHOWN]}
 
 
-def _choose(archive: ZipFile) -> tuple[list[str], list[str]]:
-    """Mesh files and others; folders and what systems put beside files are neither."""
+def _choose(archive: ZipFile, endings: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    """Wanted files and others; folders and what systems put beside files are neither."""
     names = sorted(
         {name for name in archive.namelist() if not name.endswith("/") and not PurePosixPath(name).name.startswith((".", "__"))}
     )
     names = [name for name in names if not name.startswith("__MACOSX/")]
-    wanted = [name for name in names if PurePosixPath(name).suffix.lower() in SUFFIXES]
+    wanted = [name for name in names if name.lower().endswith(endings)]
     return wanted, [clean_name(name) for name in names if name not in set(wanted)]
 
 
-def _require_bounds(archive: ZipFile, wanted: list[str], shown: str, most: int, most_bytes: int) -> None:
+def _stem(name: str, endings: tuple[str, ...]) -> str:
+    """Of a file, without the ending that made it one of the wanted."""
+    last = PurePosixPath(name).name
+    return next(last[: -len(ending)] for ending in sorted(endings, key=len, reverse=True) if last.lower().endswith(ending))
+
+
+def _require_some(wanted: list[str], shown: str, endings: tuple[str, ...]) -> None:
     if not wanted:
-        raise InputError("archive.empty", f"{shown} holds no file whose name ends in {', '.join(sorted(SUFFIXES))}")
+        raise InputError("archive.empty", f"{shown} holds no file whose name ends in {', '.join(endings)}")
+
+
+def _require_bounds(archive: ZipFile, wanted: list[str], shown: str, most: int, most_bytes: int) -> None:
     if len(wanted) > most:
         raise LimitError(
-            "archive.too_many", f"{shown} holds {len(wanted)} meshes, {most} are allowed", meshes=len(wanted), limit=most
+            "archive.too_many", f"{shown} holds {len(wanted)} subjects, {most} are allowed", subjects=len(wanted), limit=most
         )
     size = sum(archive.getinfo(name).file_size for name in wanted)
     if size > most_bytes:

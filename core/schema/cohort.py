@@ -8,6 +8,7 @@ from pydantic import Field
 
 from core.schema.expectation import MB, Expectation
 from core.schema.model import FrozenModel
+from core.schema.reference import VolumeReference
 from core.schema.report import Verdict
 
 COHORT_SUMMARY = "cohort_summary"
@@ -18,6 +19,11 @@ SUMMARY_NEED = Expectation(memory_bytes=300 * MB, cpu_s=5.0)
 
 SUBJECT_INPUTS = ("skin", "mesh", "meshes", "surface", "volume", "base")
 """Where the mesh of a subject goes if nobody says it: the first of these that a process has."""
+
+
+def takes_volume(inputs: type[FrozenModel], name: str) -> bool:
+    """True if the input is a label volume, not a mesh."""
+    return inputs.model_fields[name].annotation is VolumeReference
 
 
 def subject_input_of(inputs: type[FrozenModel]) -> str | None:

@@ -17,6 +17,7 @@ from store.job import Job, JobFailure
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, problem_of, serving
+from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
 
 REFUSED = JobFailure.of(InputError("skin.not_closed", "the skin has 3 open edges", edges=3))
@@ -199,7 +200,8 @@ def test_an_archive_is_a_cohort_and_its_broken_files_are_told(live: Live) -> Non
         "study/.hidden.stl": b"junk",
     }
     own = [{"name": "Duke", "inputs": {"min_gap_mm": 3.0}}]
-    response = archived(live, zipped(files), key="zip-1", name="Study", inputs={"min_gap_mm": 1.0}, subjects=own)
+    data = zipped(files)  # once: an archive holds the time of day
+    response = archived(live, data, key="zip-1", name="Study", inputs={"min_gap_mm": 1.0}, subjects=own)
     told = response.json()
     assert response.status_code == 201, told
     assert (told["subjects"], told["counts"]["accepted"], told["counts"]["refused"]) == (4, 3, 1)
@@ -207,11 +209,19 @@ def test_an_archive_is_a_cohort_and_its_broken_files_are_told(live: Live) -> Non
     jobs = jobs_of(live, told["id"])
     assert [job["subject"] for job in jobs] == ["Duke", "Ella", "Ella_2"]
     assert [stored(live, job["jobID"]).inputs["min_gap_mm"] for job in jobs] == [3.0, 1.0, 1.0]
-    assert (
-        archived(live, zipped(files), key="zip-1", name="Study", inputs={"min_gap_mm": 1.0}, subjects=own).json()["id"]
-        == told["id"]
-    )
+    again = archived(live, data, key="zip-1", name="Study", inputs={"min_gap_mm": 1.0}, subjects=own).json()
+    assert again["id"] == told["id"]
     assert live.is_clean()
+
+
+def test_an_archive_for_segment_is_taken_by_its_label_volumes(live: Live) -> None:
+    volume = packed(nifti(two_boxes()))
+    files = {"a/Ella.nii.gz": volume, "b/Duke.NII": nifti(two_boxes()), "torn.nii.gz": volume[:40], "skin.stl": binary_stl()}
+    told = archived(live, zipped(files), process="segment", inputs={"names": {"1": "head"}}).json()
+    assert [(one["subject"], one["code"]) for one in told["refused"]] == [("torn", "nifti.truncated")]
+    assert [job["subject"] for job in jobs_of(live, told["id"])] == ["Ella", "Duke"]
+    told = problem_of(archived(live, zipped({"skin.stl": binary_stl()}), process="segment"), 422, "archive.empty")
+    assert ".nii.gz" in told["detail"]
 
 
 def test_an_archive_of_nothing_but_broken_files_has_its_summary_at_once(live: Live) -> None:
