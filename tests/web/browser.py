@@ -19,6 +19,18 @@ OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshad
 PICTURES = ROOT / "out" / "web"
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 PATIENCE_MS = 30_000
+# draw calls and buffers made anew, of all 3D views of a page
+COUNT_CALLS = """
+globalThis.calls = { draws: 0, buffers: 0 };
+const kinds = { drawElements: "draws", drawArrays: "draws", bufferData: "buffers" };
+for (const [name, kind] of Object.entries(kinds)) {
+  const real = WebGL2RenderingContext.prototype[name];
+  WebGL2RenderingContext.prototype[name] = function (...given) {
+    calls[kind] += 1;
+    return real.apply(this, given);
+  };
+}
+"""
 DESK, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
 

@@ -13,7 +13,7 @@ from playwright.sync_api import expect
 from subjects.body import body
 from tests.acceptance.service import binary_stl, read_stl
 from tests.embedded import embedded
-from tests.web.browser import chromium, visit, write
+from tests.web.browser import COUNT_CALLS, chromium, visit, write
 
 JOB_MS = 240_000
 
@@ -66,6 +66,16 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         page.get_by_role("button", name="Cut across z").click()
         seen.drawn()
         seen.picture("6-cut")
+        # the cut follows the slider without new memory on the graphics card, and nothing is drawn at rest
+        page.evaluate(COUNT_CALLS)
+        page.get_by_label("Place of the cut on z in mm").focus()
+        for _ in range(5):
+            page.keyboard.press("ArrowRight")
+        seen.drawn()
+        assert page.evaluate("[calls.draws > 0, calls.buffers]") == [True, 0]
+        page.evaluate("calls.draws = 0")
+        page.wait_for_timeout(500)
+        assert page.evaluate("calls.draws") == 0
         page.get_by_label("Colours", exact=True).select_option("Distance to skin")
         page.get_by_label("Show skin").uncheck()
         expect(page.get_by_role("img", name=re.compile("^Distance to skin from"))).to_be_visible()

@@ -1,4 +1,4 @@
-"""A mesh beyond what the page shows: thinned by the server, told with the faces it has."""
+"""A mesh beyond what the page shows, sent or made by a job: thinned by the server, told with the faces it has."""
 
 from __future__ import annotations
 
@@ -33,6 +33,12 @@ def test_a_large_upload_is_shown_by_a_coarser_mesh_of_the_server(tmp_path: Path,
             timeout=PATIENCE_MS
         )
         seen.picture("large")
+        job = live.successful({"skin": (binary_stl(mesh), "model/stl", "skin.stl")})
+        seen.page.goto(f"/#/jobs/{job.id}")
+        expect(seen.page.get_by_text(re.compile(rf"^{len(mesh.faces):,} faces are shown by [1-4]\d\d,\d\d\d"))).to_be_visible(
+            timeout=PATIENCE_MS
+        )
+    assert any(f"{job.id}/results/skin?most_faces=500000" in url for url in asked)
     assert any("most_faces=500000" in url for url in asked)
 
 

@@ -1,6 +1,6 @@
 /** Numbers as people read them. */
 
-import type { VolumeInfo } from "./api/types";
+import type { MeshInfo, VolumeInfo } from "./api/types";
 
 export function sayCount(count: number): string {
   return count.toLocaleString("en");
@@ -35,8 +35,22 @@ export function sayNumber(value: number): string {
   return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 3);
 }
 
+/** False for label volumes, fields and coils: they have no triangles. */
+export function isSurface(mesh: MeshInfo): boolean {
+  return !mesh.volume && !mesh.field && !mesh.coil;
+}
+
+/** What an upload holds: `26,756 faces`, `256 × 256 × 176 voxels, 5 labels`, `12,000 numbers of a field`, `992 dipoles`. */
+export function sayContent({ faces, volume, field, coil }: MeshInfo): string {
+  if (volume) return sayVoxels(volume);
+  if (field) return `${sayCount(field.numbers)} numbers of a field`;
+  if (coil)
+    return coil.dipoles > 0 ? `${sayCount(coil.dipoles)} dipoles` : `${sayCount(coil.wire_pieces)} pieces of wire`;
+  return `${sayCount(faces)} faces`;
+}
+
 /** `256 × 256 × 176 voxels, 5 labels`. */
-export function sayVoxels(volume: VolumeInfo): string {
+function sayVoxels(volume: VolumeInfo): string {
   const { voxels, labels } = volume;
   return `${voxels.join(" × ")} voxels, ${labels.length} label${labels.length === 1 ? "" : "s"}`;
 }

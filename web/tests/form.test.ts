@@ -8,6 +8,12 @@ const ID = "207ed415-8dce-4b02-af94-d30610c4aef0";
 const MESH = { type: "object", properties: { href: { type: "string", pattern: "^(/v1/meshes/x|/v1/jobs/y)$" } } };
 const PACKAGE = { type: "object", properties: { href: { type: "string", pattern: "^/v1/jobs/y$" } } };
 const VOLUME = { type: "object", properties: { href: { type: "string", pattern: "^/v1/meshes/x$" } } };
+const COIL = {
+  type: "object",
+  properties: {
+    href: { type: "string", pattern: "^/v1/meshes/x$", contentMediaType: "application/x-integument-coil" },
+  },
+};
 const BOX = { type: "array", items: { type: "object", properties: { name: {}, box_mm: {} } } };
 
 test.each([
@@ -23,7 +29,9 @@ test.each([
   [{ anyOf: [{ type: "string", enum: ["auto"] }, BOX] }, "auto_or_regions"],
   [{ type: "object", additionalProperties: { type: "number" }, description: "Layer -> depth" }, "depths"],
   [{ type: "object", additionalProperties: { type: "integer" } }, "numbers"],
-  [{ type: "array", items: { type: "string" } }, "chosen_names"],
+  [{ type: "array", items: { type: "string", pattern: "^[a-z]+$" } }, "chosen_names"],
+  [{ type: "array", items: { type: "string" } }, "words"],
+  [COIL, "coil"],
   [{ type: "object", additionalProperties: { type: "string" } }, "names"],
   [{ type: "object", additionalProperties: { type: "string", nullable: true } }, "holders"],
   [{ type: "string", enum: ["a", "b"] }, "choice"],
@@ -38,6 +46,7 @@ test.each([
 
 test("names of inputs are read aloud with their units", () => {
   expect(labelOf("min_gap_mm")).toBe("Min gap (mm)");
+  expect(labelOf("conductivities_s_per_m")).toBe("Conductivities (S/m)");
   expect(labelOf("skin")).toBe("Skin");
 });
 

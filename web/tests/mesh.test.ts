@@ -2,10 +2,11 @@ import { expect, test } from "vitest";
 import { curvatureField, distanceField, qualityField } from "../src/mesh/fields";
 import { readObj } from "../src/mesh/obj";
 import { readPly } from "../src/mesh/ply";
-import { sectionOf } from "../src/mesh/section";
+import { cutAcross, Segments } from "../src/mesh/section";
+import { Slabs } from "../src/mesh/slabs";
 import { readStl } from "../src/mesh/stl";
 import { thinOut } from "../src/mesh/thin_out";
-import { boundsOf, isClosed, volumeOf } from "../src/mesh/triangles";
+import { boundsOf, isClosed, type Triangles, volumeOf } from "../src/mesh/triangles";
 import { sphere, stlOf, tetrahedron } from "./solids";
 
 test("a binary STL is welded to the vertices it was made of", () => {
@@ -44,8 +45,14 @@ test("polygons of an OBJ become fans, indices may count from the end", () => {
   expect([...mesh.faces]).toEqual([0, 1, 2, 0, 2, 3]);
 });
 
+function cutOf(mesh: Triangles, axis: 0 | 1 | 2, at: number): Float32Array {
+  const found = new Segments();
+  cutAcross(mesh, new Slabs(mesh, axis), axis, at, found);
+  return found.ends.slice(0, found.length);
+}
+
 test("a section through the middle of a sphere is a circle", () => {
-  const cut = sectionOf(sphere(50, 32), 2, 0.01);
+  const cut = cutOf(sphere(50, 32), 2, 0.01);
   let length = 0;
   for (let i = 0; i < cut.length; i += 6) {
     length += Math.hypot(cut[i]! - cut[i + 3]!, cut[i + 1]! - cut[i + 4]!, cut[i + 2]! - cut[i + 5]!);
@@ -53,7 +60,36 @@ test("a section through the middle of a sphere is a circle", () => {
   }
   expect(length).toBeGreaterThan(2 * Math.PI * 50 * 0.99);
   expect(length).toBeLessThan(2 * Math.PI * 50 * 1.001);
-  expect(sectionOf(sphere(50, 8), 2, 60).length).toBe(0);
+  expect(cutOf(sphere(50, 8), 2, 60).length).toBe(0);
+});
+
+test("slabs leave out no face a plane meets, wherever it is", () => {
+  const mesh = sphere(50, 24);
+  const all = Array.from({ length: mesh.faces.length / 3 }, (_, face) => face);
+  for (const axis of [0, 1, 2] as const) {
+    const slabs = new Slabs(mesh, axis);
+    for (let at = -51; at <= 51; at += 0.37) {
+      const met = all.filter((face) => {
+        const places = [0, 1, 2].map((k) => mesh.positions[3 * mesh.faces[3 * face + k]! + axis]!);
+        return Math.min(...places) <= at && at <= Math.max(...places);
+      });
+      const near = new Set(slabs.facesNear(at));
+      expect(met.filter((face) => !near.has(face))).toEqual([]);
+      expect(near.size).toBeLessThan(all.length / 4);
+    }
+  }
+});
+
+test("a section takes the place of the one before, in the same memory", () => {
+  const mesh = sphere(50, 128);
+  const slabs = new Slabs(mesh, 0);
+  const found = new Segments();
+  cutAcross(mesh, slabs, 0, 0.01, found);
+  const [ends, length] = [found.ends, found.length];
+  cutAcross(mesh, slabs, 0, 49, found);
+  expect(found.length).toBeLessThan(length);
+  cutAcross(mesh, slabs, 0, 0.01, found);
+  expect([found.ends === ends, found.length === length]).toEqual([true, true]);
 });
 
 test("the curvature of a sphere is one over its radius, and positive outside", () => {

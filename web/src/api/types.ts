@@ -42,6 +42,17 @@ export interface VolumeInfo {
   labels: { label: number; voxels: number; volume_mm3: number }[];
 }
 
+export interface FieldInfo {
+  numbers: number;
+  columns: string[];
+  data: { name: string }[];
+}
+
+export interface CoilInfo {
+  dipoles: number;
+  wire_pieces: number;
+}
+
 export interface MeshInfo {
   id: string;
   name: string;
@@ -53,8 +64,10 @@ export interface MeshInfo {
   faces: number;
   extents_mm: Vector;
   arrays: VertexArray[];
-  /** Of a label volume, which has no faces; absent of a mesh. */
+  /** Of a label volume, a solver's field, a coil, which have no faces; all absent of a mesh. */
   volume?: VolumeInfo;
+  field?: FieldInfo;
+  coil?: CoilInfo;
   findings: Finding[];
   created: string;
 }
@@ -118,6 +131,7 @@ export interface Schema {
   minItems?: number;
   maxItems?: number;
   pattern?: string;
+  contentMediaType?: string;
   nullable?: boolean;
 }
 

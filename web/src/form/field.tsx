@@ -15,10 +15,10 @@ import {
   packageChoices,
   ReferenceInput,
   ReferencesInput,
-  volumeChoices,
+  uploadChoices,
 } from "./references_input";
 import { RegionsInput } from "./regions_input";
-import { type Kind, kindOf, labelOf, regionSchema } from "./schema_kind";
+import { type Kind, kindOf, labelOf, regionSchema, type UploadKind } from "./schema_kind";
 import { TissuesTable } from "./tissues_table";
 import { asLayers, asNumbers, asRegions, asTissues, LARGEST_DEPTH_MM, type Reference, type Region } from "./values";
 
@@ -49,15 +49,15 @@ interface FieldProps {
   onValue: (value: unknown) => void;
 }
 
-const LABELLED: readonly Kind[] = ["reference", "package", "volume", "choice", "number", "text", "json"];
+const REFERENCES: readonly Kind[] = ["reference", "package", "volume", "field", "coil"];
+const LABELLED: readonly Kind[] = [...REFERENCES, "choice", "number", "text", "words", "json"];
 
 export function Field(props: FieldProps) {
   const { name, schema, problem } = props;
   const kind = kindOf(schema);
   const id = `input-${name}`;
   const title = labelOf(name);
-  // patterns are for programs; a name that breaks one is refused in words
-  const hint = schema.description?.replaceAll("`", "").replace(/ Keys match \S+$/, "");
+  const hint = sayHint(schema.description ?? "");
   return (
     <div class="field">
       {kind === "flag" ? (
@@ -96,6 +96,8 @@ function Control({
     case "reference":
     case "package":
     case "volume":
+    case "field":
+    case "coil":
       return (
         <ReferenceInput
           id={id}
@@ -256,6 +258,16 @@ function Control({
           onInput={(event) => onValue(event.currentTarget.value || undefined)}
         />
       );
+    case "words":
+      return (
+        <input
+          id={id}
+          class="wide"
+          value={((value ?? []) as string[]).join(", ")}
+          placeholder="separated by commas"
+          onChange={(event) => onValue(wordsOf(event.currentTarget.value))}
+        />
+      );
     case "group":
       return <Group schema={schema} required={required} value={value} context={context} onValue={onValue} />;
     case "json":
@@ -280,9 +292,23 @@ function Control({
   }
 }
 
-function choicesOf(kind: "reference" | "package" | "volume", context: FormContext): Choice[] {
+function choicesOf(kind: "reference" | "package" | UploadKind, context: FormContext): Choice[] {
   if (kind === "package") return packageChoices(context.jobs);
-  return kind === "volume" ? volumeChoices(context.meshes) : meshChoices(context.meshes);
+  return kind === "reference" ? meshChoices(context.meshes) : uploadChoices(context.meshes, kind);
+}
+
+/** For people: patterns are for programs (a name that breaks one is refused in words), and so is null. */
+function sayHint(description: string): string {
+  return description
+    .replaceAll("`", "")
+    .replace(/ Keys match \S+$/, "")
+    .replace(/\bnull\b/g, "left out");
+}
+
+/** Words between commas; nothing if there is none. */
+function wordsOf(typed: string): string[] | undefined {
+  const words = typed.split(",").flatMap((word) => word.trim() || []);
+  return words.length > 0 ? words : undefined;
 }
 
 /** An object with fields of its own; one that may be left out has a switch. */

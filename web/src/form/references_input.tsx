@@ -1,5 +1,6 @@
 import type { Job, MeshInfo } from "../api/types";
-import { sayCount, sayVoxels, sayWhen } from "../words";
+import { isSurface, sayContent, sayCount, sayWhen } from "../words";
+import type { UploadKind } from "./schema_kind";
 import type { Reference } from "./values";
 
 /** Choices among what the server holds. Names are text, whatever is in them. */
@@ -10,7 +11,7 @@ export interface Choice {
 }
 
 export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
-  const surfaces = meshes.filter((mesh) => !mesh.volume);
+  const surfaces = meshes.filter(isSurface);
   const count = new Map<string, number>();
   for (const { name } of surfaces) count.set(name, (count.get(name) ?? 0) + 1);
   return surfaces.map((mesh) => ({
@@ -19,10 +20,10 @@ export function meshChoices(meshes: readonly MeshInfo[]): Choice[] {
   }));
 }
 
-export function volumeChoices(meshes: readonly MeshInfo[]): Choice[] {
-  return meshes.flatMap(({ id, name, volume }) =>
-    volume ? [{ href: `/v1/meshes/${id}`, title: `${name} (${sayVoxels(volume)})` }] : [],
-  );
+export function uploadChoices(meshes: readonly MeshInfo[], kind: UploadKind): Choice[] {
+  return meshes
+    .filter((mesh) => mesh[kind] !== undefined)
+    .map((mesh) => ({ href: `/v1/meshes/${mesh.id}`, title: `${mesh.name} (${sayContent(mesh)})` }));
 }
 
 export function packageChoices(jobs: readonly Job[]): Choice[] {

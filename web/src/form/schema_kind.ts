@@ -1,10 +1,18 @@
 import type { Schema } from "../api/types";
 
+/** Uploads that are no surfaces. */
+export type UploadKind = "volume" | "field" | "coil";
+const UPLOADS: Record<string, UploadKind> = {
+  "application/x-integument-volume": "volume",
+  "application/x-integument-field": "field",
+  "application/x-integument-coil": "coil",
+};
+
 /** Which control an input gets. It depends on its schema alone, so processes that come later get a form by themselves. */
 export type Kind =
   | "reference"
   | "package"
-  | "volume"
+  | UploadKind
   | "references"
   | "named_references"
   | "layers"
@@ -15,6 +23,7 @@ export type Kind =
   | "numbers"
   | "names"
   | "chosen_names"
+  | "words"
   | "holders"
   | "choice"
   | "flag"
@@ -25,14 +34,15 @@ export type Kind =
 
 export function kindOf(schema: Schema): Kind {
   if (isReference(schema))
-    return acceptsUploads(schema) ? (acceptsResults(schema) ? "reference" : "volume") : "package";
+    return acceptsUploads(schema) ? (acceptsResults(schema) ? "reference" : uploadKindOf(schema)) : "package";
   const items = schema.items;
   if (schema.type === "array" && items) {
     if (isReference(items)) return "references";
     if (items.properties?.box_mm) return "regions";
     if (items.properties?.depth_mm && items.properties.name) return "layers";
     if (items.properties?.mesh && isReference(items.properties.mesh) && items.properties.name) return "tissues";
-    if (items.type === "string" && !items.enum) return "chosen_names";
+    // names of surfaces have a pattern, other words have none
+    if (items.type === "string" && !items.enum) return items.pattern ? "chosen_names" : "words";
   }
   const among = schema.anyOf ?? schema.oneOf;
   if (among) {
@@ -59,6 +69,10 @@ export function isReference(schema: Schema): boolean {
   return schema.properties?.href !== undefined;
 }
 
+function uploadKindOf(schema: Schema): UploadKind {
+  return UPLOADS[schema.properties?.href?.contentMediaType ?? ""] ?? "volume";
+}
+
 function acceptsUploads(schema: Schema): boolean {
   return schema.properties?.href?.pattern?.includes("/v1/meshes/") ?? false;
 }
@@ -74,8 +88,8 @@ export function regionSchema(schema: Schema): Schema | undefined {
 
 /** `min_gap_mm` -> "Min gap (mm)". */
 export function labelOf(name: string): string {
-  const words = name.split("_");
-  const unit = { mm: "mm", mm3: "mm³", cm2: "cm²", deg: "°", s: "s" }[words.at(-1) ?? ""];
+  const words = name.replace(/_s_per_m$/, "_S/m").split("_");
+  const unit = { mm: "mm", "S/m": "S/m", mm3: "mm³", cm2: "cm²", deg: "°", s: "s" }[words.at(-1) ?? ""];
   if (unit && words.length > 1) words.pop();
   const text = words.join(" ");
   return text.charAt(0).toUpperCase() + text.slice(1) + (unit ? ` (${unit})` : "");

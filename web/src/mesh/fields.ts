@@ -1,5 +1,5 @@
-import { BufferAttribute, BufferGeometry, Vector3 } from "three";
-import { MeshBVH } from "three-mesh-bvh";
+import { Vector3 } from "three";
+import { treeOf } from "./tree";
 import type { Triangles } from "./triangles";
 
 /** One number per vertex of a surface. */
@@ -59,10 +59,7 @@ export function curvatureField({ positions: p, faces }: Triangles): Float32Array
 
 /** Distance in mm from every vertex to the nearest point of another surface. */
 export function distanceField({ positions }: Triangles, to: Triangles): Float32Array {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(to.positions, 3));
-  geometry.setIndex(new BufferAttribute(to.faces, 1));
-  const tree = new MeshBVH(geometry, { indirect: true });
+  const tree = treeOf(to);
   const distances = new Float32Array(positions.length / 3);
   const point = new Vector3();
   const target = { point: new Vector3(), distance: 0, faceIndex: 0 };

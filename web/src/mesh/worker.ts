@@ -1,8 +1,10 @@
+import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import { curvatureField, distanceField, qualityField } from "./fields";
 import { readObj } from "./obj";
 import { readPly } from "./ply";
 import { readStl } from "./stl";
 import { thinOut } from "./thin_out";
+import { treeOf } from "./tree";
 import { boundsOf, isClosed, type Triangles, volumeOf } from "./triangles";
 
 /** What takes longer than a frame: reading meshes and measuring them. Runs beside the page, which stays alive. */
@@ -12,7 +14,8 @@ export type FieldKind = "quality" | "curvature" | "distance";
 
 export type Task =
   | { kind: "read"; data: ArrayBuffer; format: FileKind }
-  | { kind: "field"; field: FieldKind; mesh: Triangles; to: Triangles | null };
+  | { kind: "field"; field: FieldKind; mesh: Triangles; to: Triangles | null }
+  | { kind: "tree"; mesh: Triangles };
 
 export interface ReadMesh {
   shown: Triangles;
@@ -45,11 +48,29 @@ function field(task: Extract<Task, { kind: "field" }>): Float32Array {
   return distanceField(task.mesh, task.to!);
 }
 
+/** Without the index, which the page has. */
+function tree(mesh: Triangles): SerializedBVH {
+  return { ...MeshBVH.serialize(treeOf(mesh), { cloneBuffers: false }), index: new Uint32Array() };
+}
+
+/** The answer, and its memory, which goes with it instead of being copied. */
+function answerTo(task: Task): [result: unknown, moved: unknown[]] {
+  if (task.kind === "read") {
+    const result = read(task.data, task.format);
+    return [result, [result.shown.positions.buffer, result.shown.faces.buffer]];
+  }
+  if (task.kind === "tree") {
+    const result = tree(task.mesh);
+    return [result, [...result.roots, result.indirectBuffer?.buffer].filter(Boolean)];
+  }
+  const values = field(task);
+  return [values, [values.buffer]];
+}
+
 addEventListener("message", (event: MessageEvent<{ id: number; task: Task }>) => {
   const { id, task } = event.data;
   try {
-    const result = task.kind === "read" ? read(task.data, task.format) : field(task);
-    const moved = "shown" in result ? [result.shown.positions.buffer, result.shown.faces.buffer] : [result.buffer];
+    const [result, moved] = answerTo(task);
     postMessage({ id, result }, { transfer: moved as Transferable[] });
   } catch (error) {
     postMessage({ id, error: error instanceof Error ? error.message : String(error) });

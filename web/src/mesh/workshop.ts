@@ -1,3 +1,4 @@
+import type { SerializedBVH } from "three-mesh-bvh";
 import type { Triangles } from "./triangles";
 import type { FieldKind, FileKind, ReadMesh, Task } from "./worker";
 import MeshWorker from "./worker?worker";
@@ -43,6 +44,11 @@ function hand<T>(task: Task, moved: Transferable[] = []): Promise<T> {
 /** The buffer is handed over and empty afterwards. */
 export function readMesh(data: ArrayBuffer, format: FileKind): Promise<ReadMesh> {
   return hand<ReadMesh>({ kind: "read", data, format }, [data]);
+}
+
+/** A copy of the mesh goes to the worker; the page goes on meanwhile. */
+export function makeTree(mesh: Triangles): Promise<SerializedBVH> {
+  return hand<SerializedBVH>({ kind: "tree", mesh });
 }
 
 export function measureField(field: FieldKind, mesh: Triangles, to: Triangles | null): Promise<Float32Array> {

@@ -1,6 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { deleteMesh, listMeshes } from "../api/meshes";
 import type { Finding, MeshInfo } from "../api/types";
+import { makeTree } from "../mesh/workshop";
 import { ConfirmedButton } from "../parts/confirmed_button";
 import { DropZone } from "../parts/drop_zone";
 import { Failure } from "../parts/failure";
@@ -17,11 +18,18 @@ import { tissueColours } from "../tissues";
 import { sayLength } from "../units";
 import type { Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
-import { sayCount, sayVoxels, sayWhen } from "../words";
+import { isSurface, sayContent, sayWhen } from "../words";
 
 const FEW = 5;
 const FIRST = 100;
 const CHECKED_FACES = 500_000; // of larger ones the check takes minutes: it waits for a click
+
+/** Where an upload that is no surface goes first. */
+function jobOf({ volume, field, coil }: MeshInfo): string {
+  if (volume) return "&process=segment&as=volume";
+  if (field) return "&process=fields&as=field";
+  return coil ? "&process=fields&as=coil" : "";
+}
 
 /** The way in: drop files, say their unit, see them, go on to a job. */
 export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
@@ -38,7 +46,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   const [refused, setRefused] = useState<unknown>(null);
   const meshes = list.items;
   const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
-  const fetched = useTriangles(chosen && !chosen.volume ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
+  const fetched = useTriangles(chosen && isSurface(chosen) ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
   const shown = local?.mesh ?? (chosen ? fetched.meshes[chosen.name] : undefined);
   const name = local?.name ?? chosen?.name ?? "";
   const surfaces = useMemo<Surface[]>(
@@ -119,14 +127,21 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
         <div class="bench">
           <div class="view">
             <ViewerPane
+              makeTree={makeTree}
               label={`3D view of ${name}`}
               surfaces={surfaces}
               onViewer={setViewer}
               loading={
-                chosen && !chosen.volume && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""
+                chosen && isSurface(chosen) && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""
               }
               failure={fetched.failure}
-              empty={chosen?.volume ? "Make surfaces of its labels to see it." : "Choose a mesh to see it."}
+              empty={
+                chosen
+                  ? chosen.volume
+                    ? "Make surfaces of its labels to see it."
+                    : "This is no surface: a job puts it on one."
+                  : "Choose a mesh to see it."
+              }
             />
             <ThinnedNote meshes={shown ? [shown] : []} />
           </div>
@@ -151,13 +166,18 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                     <span class="muted small">{sayWhen(mesh.created)}</span>
                   </div>
                   <span class="muted small">
-                    {mesh.volume ? sayVoxels(mesh.volume) : `${sayCount(mesh.faces)} faces`} ·{" "}
-                    {mesh.extents_mm.map(sayLength).join(" × ")} · {mesh.format.toUpperCase()} in {mesh.unit}
+                    {[
+                      sayContent(mesh),
+                      Math.max(...mesh.extents_mm) > 0 ? mesh.extents_mm.map(sayLength).join(" × ") : [],
+                      `${mesh.format.toUpperCase()} in ${mesh.unit}`,
+                    ]
+                      .flat()
+                      .join(" · ")}
                   </span>
                   {mesh === chosen && (
                     <>
                       {mesh.findings.length > 0 && <Findings findings={mesh.findings} onPlace={fly} />}
-                      {!mesh.volume && (
+                      {isSurface(mesh) && (
                         <QuickCheck
                           mesh={mesh}
                           atOnce={mesh.id === justAdded && mesh.faces <= CHECKED_FACES}
@@ -167,7 +187,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
                     </>
                   )}
                   <div class="row">
-                    <a class="button primary" href={`#/new?mesh=${mesh.id}${mesh.volume ? "&process=segment" : ""}`}>
+                    <a class="button primary" href={`#/new?mesh=${mesh.id}${jobOf(mesh)}`}>
                       Set up a job
                     </a>
                     {mesh !== chosen && (

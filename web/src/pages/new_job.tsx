@@ -9,6 +9,7 @@ import { ProcessInputs } from "../form/process_inputs";
 import { hrefOf } from "../form/references_input";
 import { kindOf, withoutEmpty } from "../form/schema_kind";
 import { asLayers, asTissues, type Region } from "../form/values";
+import { makeTree } from "../mesh/workshop";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
 import { MoreButton, useLongList } from "../parts/long_list";
@@ -59,9 +60,10 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
 
   // the surface or package people came with goes into the first input that takes it
   const wanted = query.get("from") ?? (query.get("mesh") ? `/v1/meshes/${query.get("mesh")}` : null);
+  const as = query.get("as");
   useEffect(() => {
     if (!inputs || !wanted) return;
-    const kinds = wanted.endsWith("/package") ? ["package"] : ["reference", "references", "volume"];
+    const kinds = wanted.endsWith("/package") ? ["package"] : as ? [as] : ["reference", "references"];
     const [name, one] = Object.entries(inputs).find(([, each]) => kinds.includes(kindOf(each.schema))) ?? [];
     if (!name || !one || newest.current[name] !== undefined) return;
     change({ [name]: kindOf(one.schema) === "references" ? [{ href: wanted }] : { href: wanted } });
@@ -89,8 +91,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     [values, inputs],
   );
 
-  const volumes = meshes.items.filter((one) => one.volume).map((one) => `/v1/meshes/${one.id}`);
-  const given = Object.fromEntries(Object.entries(referencesIn(known)).filter(([, href]) => !volumes.includes(href)));
+  const given = referencesIn(known);
   const packed = hrefOf(known.package);
   const contents = useLoaded(`results ${packed}`, async (signal) =>
     packed ? shownMeshes(await getResults(packed.split("/")[3]!, signal), null) : {},
@@ -100,7 +101,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
   );
   const surfaces = useMemo<Surface[]>(() => {
-    const colours = tissueColours(names);
+    const colours = names.length === 1 ? { [names[0]!]: tissueColours(["skin"]).skin! } : tissueColours(names);
     return names.map((name, place) => ({
       name,
       mesh: triangles.meshes[name]!.shown,
@@ -169,6 +170,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
       <div class="bench wide-panel">
         <div class="view stack">
           <ViewerPane
+            makeTree={makeTree}
             label="3D view of the surfaces with their boxes"
             surfaces={surfaces}
             boxes={boxes}

@@ -1,6 +1,6 @@
 import { useRef, useState } from "preact/hooks";
 
-const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz";
+const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz,.msh,.csv,.tsv,.txt,.dat,.ccd,.tcd";
 
 /** Where files land: by dragging, or by the usual dialog. */
 export function DropZone({
@@ -40,7 +40,9 @@ export function DropZone({
         <button type="button" class="primary" onClick={() => input.current?.click()}>
           Choose files…
         </button>
-        <span class="muted">or drop them: STL, MAT, PLY, OBJ, NIfTI{archives && ", or one zip of them"}</span>
+        <span class="muted">
+          or drop them: STL, MAT, PLY, OBJ, NIfTI, fields, coils{archives && ", or one zip of them"}
+        </span>
       </div>
       <input
         ref={input}

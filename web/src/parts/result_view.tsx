@@ -2,6 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { getInputs, getReport, getResults } from "../api/jobs";
 import { messageOf } from "../api/server";
 import type { Finding, Job, Report, ResultReference } from "../api/types";
+import { makeTree } from "../mesh/workshop";
 import { tissueColours } from "../tissues";
 import type { Clip, Field, Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
@@ -116,6 +117,7 @@ export function ResultView({ job }: { job: Job }) {
       <div class="view stack">
         <div class={beside ? "pair" : ""}>
           <ViewerPane
+            makeTree={makeTree}
             label={beside ? `3D view of ${names[0]}` : "3D view of the result"}
             surfaces={beside ? surfaces.slice(0, 1) : surfaces}
             clip={clip}
@@ -179,6 +181,7 @@ function Beside(props: { surfaces: Surface[]; clip: Clip | null; markers: Marker
   return (
     <div class="stack">
       <ViewerPane
+        makeTree={makeTree}
         label={`3D view of ${name}`}
         surfaces={shown}
         clip={props.clip}

@@ -30,9 +30,9 @@ export function referencesIn(value: unknown, name = "surface"): Record<string, s
     return path ? { [name]: path } : {};
   }
   if (typeof value !== "object" || value === null) return {};
-  // a label volume has no triangles
+  // label volumes, fields and coils have no triangles
   const parts = Object.entries(value)
-    .filter(([key]) => key !== "volume")
+    .filter(([key]) => !["volume", "field", "coil"].includes(key))
     .map(([key, one]) => {
       if (Array.isArray(value))
         return referencesIn(one, nameOf(one) ?? (value.length > 1 ? `${name} ${Number(key) + 1}` : name));

@@ -1,6 +1,6 @@
 import { messageOf } from "../api/server";
 import { sayLength } from "../units";
-import { sayBytes, sayCount } from "../words";
+import { sayBytes, sayContent } from "../words";
 import type { Subject } from "./subject";
 import { isArchive } from "./subject";
 
@@ -53,7 +53,7 @@ export function SubjectsTable({
 }
 
 function sizeOf({ file, mesh }: Subject): string {
-  if (mesh) return `${sayCount(mesh.faces ?? 0)} faces, ${sayLength(Math.max(...mesh.extents_mm))} long`;
+  if (mesh) return `${sayContent(mesh)}, ${sayLength(Math.max(...mesh.extents_mm))} long`;
   return file ? sayBytes(file.size) : "";
 }
 

@@ -34,6 +34,13 @@ export function UploadItem(props: {
   const [making, setMaking] = useState(false);
   const [turn, setTurn] = useState(0);
   const sending = useRef<Sending | null>(null);
+  const here = useRef(true);
+  useEffect(
+    () => () => {
+      here.current = false;
+    },
+    [],
+  );
   const events = useRef(props);
   events.current = props;
 
@@ -72,7 +79,8 @@ export function UploadItem(props: {
     if (!unit) return;
     setMaking(true);
     try {
-      props.onDone(await makeMesh(path, unit));
+      const mesh = await makeMesh(path, unit);
+      if (here.current) events.current.onDone(mesh); // who has gone elsewhere meanwhile is not called back
     } catch (reason) {
       setError(reason);
       setMaking(false);

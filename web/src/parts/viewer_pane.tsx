@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { messageOf } from "../api/server";
+import type { TreeMaker } from "../viewer/picking";
 import type { Clip, Marker, Probe, RegionBox, Surface } from "../viewer/surface";
 import { Viewer } from "../viewer/viewer";
 import { sayNumber } from "../words";
@@ -15,6 +16,8 @@ export interface ViewerPaneProps {
   boxes?: readonly RegionBox[];
   onBox?: (number: number, box: RegionBox) => void;
   onViewer?: (viewer: Viewer | null) => void;
+  /** Search trees made beside the page. */
+  makeTree?: TreeMaker;
   loading?: string;
   failure?: string;
   empty?: string;
@@ -46,6 +49,7 @@ export function ViewerPane(props: ViewerPaneProps) {
       made = new Viewer(canvas.current!, {
         onProbe: setProbe,
         onBox: (number, box) => events.current.onBox?.(number, box),
+        ...(props.makeTree ? { makeTree: props.makeTree } : {}),
       });
     } catch (error) {
       setBroken(`This browser cannot draw in 3D (WebGL 2): ${messageOf(error)} Everything else on this page works.`);

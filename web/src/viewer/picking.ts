@@ -1,9 +1,31 @@
 import { type Camera, type Plane, Raycaster, Vector2, Vector3 } from "three";
-import { MeshBVH } from "three-mesh-bvh";
+import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
+import type { Triangles } from "../mesh/triangles";
 import type { Shell } from "./shell";
 import type { Probe } from "./surface";
 
-const trees = new WeakMap<object, MeshBVH>();
+/** Makes the search tree of a mesh, beside the page where there is somebody to do it. */
+export type TreeMaker = (mesh: Triangles) => Promise<SerializedBVH>;
+
+const trees = new WeakMap<object, MeshBVH | Promise<void>>();
+
+/** The tree of a shell; null while somebody makes it. */
+function treeOf(shell: Shell, makeTree: TreeMaker | undefined): MeshBVH | null {
+  const { geometry } = shell.body;
+  const known = trees.get(geometry);
+  if (known) return known instanceof MeshBVH ? known : null;
+  if (makeTree) {
+    const made = makeTree(shell.surface.mesh).then((told) => {
+      trees.set(geometry, MeshBVH.deserialize(told, geometry, { setIndex: false }));
+    });
+    made.catch(() => trees.delete(geometry)); // asked again when the pointer moves
+    trees.set(geometry, made);
+    return null;
+  }
+  const tree = new MeshBVH(geometry, { indirect: true });
+  trees.set(geometry, tree);
+  return tree;
+}
 
 /** What lies under a place of the canvas (-1 to 1, y upwards); the side that is cut away does not count. */
 export function pick(
@@ -12,18 +34,15 @@ export function pick(
   x: number,
   y: number,
   plane: Plane | null,
+  makeTree?: TreeMaker,
 ): Probe | null {
   const caster = new Raycaster();
   caster.setFromCamera(new Vector2(x, y), camera);
   let nearest: { distance: number; probe: Probe } | null = null;
   for (const shell of shells) {
     if (!shell.group.visible) continue;
-    const { geometry } = shell.body;
-    let tree = trees.get(geometry);
-    if (!tree) {
-      tree = new MeshBVH(geometry, { indirect: true });
-      trees.set(geometry, tree);
-    }
+    const tree = treeOf(shell, makeTree);
+    if (!tree) continue;
     for (const hit of tree.raycast(caster.ray, shell.body.material)) {
       if (plane && plane.distanceToPoint(hit.point) < 0) continue;
       if (nearest && hit.distance >= nearest.distance) continue;

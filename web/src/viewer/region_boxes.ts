@@ -45,10 +45,17 @@ export class RegionBoxes {
         solid,
         new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.1, depthWrite: false }),
       );
+      // a box inside a body is seen through it, faintly
+      const hidden = new LineSegments(
+        edges.geometry,
+        new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.45 }),
+      );
+      hidden.renderOrder = 990;
+      hidden.position.set(...centre);
       edges.position.set(...centre);
       faint.position.set(...centre);
       faint.renderOrder = 900;
-      this.group.add(edges, faint);
+      this.group.add(edges, hidden, faint);
       if (box.fixed) return;
       for (const axis of [0, 1, 2] as const) {
         for (const end of ["min", "max"] as const) {

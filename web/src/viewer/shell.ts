@@ -8,8 +8,6 @@ import {
   FrontSide,
   Group,
   IncrementWrapStencilOp,
-  LineBasicMaterial,
-  LineSegments,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
@@ -19,8 +17,8 @@ import {
   ReplaceStencilOp,
   type WebGLRenderer,
 } from "three";
-import { sectionOf } from "../mesh/section";
 import { coloursOf } from "./colour_map";
+import { Outline } from "./outline";
 import type { Axis, Surface } from "./surface";
 
 /** One surface in the scene: the surface itself, and the filled face where the clipping plane cuts it.
@@ -33,7 +31,7 @@ export class Shell {
   surface: Surface;
   private readonly counters: Mesh[] = [];
   private readonly cap: Mesh<PlaneGeometry, MeshBasicMaterial>;
-  private readonly outline: LineSegments<BufferGeometry, LineBasicMaterial>;
+  private readonly outline: Outline;
 
   constructor(surface: Surface, order: number, plane: Plane, renderer: WebGLRenderer) {
     this.surface = surface;
@@ -66,10 +64,9 @@ export class Shell {
     this.cap = new Mesh(new PlaneGeometry(1, 1), fill);
     this.cap.renderOrder = 10 * order + 2;
     this.cap.onAfterRender = () => renderer.clearStencil();
-    this.outline = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-    this.outline.renderOrder = 10 * order + 3;
-    this.outline.frustumCulled = false;
-    this.group.add(this.cap, this.outline);
+    this.outline = new Outline(surface.mesh);
+    this.outline.lines.renderOrder = 10 * order + 3;
+    this.group.add(this.cap, this.outline.lines);
   }
 
   show(surface: Surface): void {
@@ -89,7 +86,7 @@ export class Shell {
     }
     material.needsUpdate = true;
     this.cap.material.color.set(surface.colour);
-    this.outline.material.color.set(surface.colour).multiplyScalar(0.45);
+    this.outline.lines.material.color.set(surface.colour).multiplyScalar(0.45);
   }
 
   /** `plane` is null where nothing is cut away. */
@@ -98,14 +95,12 @@ export class Shell {
     const filled = plane !== null && this.surface.closed;
     for (const counter of this.counters) counter.visible = filled;
     this.cap.visible = filled;
-    this.outline.visible = plane !== null;
+    this.outline.lines.visible = plane !== null;
     if (!plane) return;
     this.cap.scale.setScalar(size);
     this.cap.rotation.set(axis === 1 ? Math.PI / 2 : 0, axis === 0 ? Math.PI / 2 : 0, 0);
     this.cap.position.set(centre[0]!, centre[1]!, centre[2]!).setComponent(axis, at);
-    this.outline.geometry.dispose();
-    this.outline.geometry = new BufferGeometry();
-    this.outline.geometry.setAttribute("position", new BufferAttribute(sectionOf(this.surface.mesh, axis, at), 3));
+    this.outline.cut(axis, at);
   }
 
   dispose(): void {
@@ -114,7 +109,6 @@ export class Shell {
     for (const counter of this.counters) (counter.material as MeshBasicMaterial).dispose();
     this.cap.geometry.dispose();
     this.cap.material.dispose();
-    this.outline.geometry.dispose();
-    this.outline.material.dispose();
+    this.outline.dispose();
   }
 }

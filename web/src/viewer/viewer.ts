@@ -15,7 +15,8 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { boundsOf } from "../mesh/triangles";
-import { pick } from "./picking";
+import { Pace } from "./pace";
+import { pick, type TreeMaker } from "./picking";
 import { RegionBoxes } from "./region_boxes";
 import { Shell } from "./shell";
 import type { Axis, Clip, Marker, Point, Probe, RegionBox, Surface } from "./surface";
@@ -24,11 +25,14 @@ import type { Axis, Clip, Marker, Point, Probe, RegionBox, Surface } from "./sur
 
 const MARKER_COLOURS = { error: "#d0342c", warning: "#d99400", info: "#2d7dd2" };
 
+const REST_MS = 180; // after the last movement
 const MARKER_SHARE = 0.005; // of the distance to the camera
 
 export interface ViewerEvents {
   onProbe?: (probe: Probe | null) => void;
   onBox?: (number: number, box: RegionBox) => void;
+  /** Without it search trees are made on the page itself, which stands still meanwhile. */
+  makeTree?: TreeMaker;
 }
 
 export class Viewer {
@@ -49,7 +53,11 @@ export class Viewer {
   private radius = 100;
   private up: Axis = 2;
   private frame = 0;
-  private pointer: PointerEvent | null = null;
+  private rest = 0;
+  private readonly pace = new Pace();
+  private pointer: PointerEvent | null = null; // to be looked under in the next frame
+  private hovering: PointerEvent | null = null;
+  private readonly makeTree: TreeMaker | undefined;
 
   /** Throws where the browser has no WebGL 2. */
   constructor(
@@ -58,7 +66,9 @@ export class Viewer {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true });
     this.renderer.localClippingEnabled = true;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.fullRatio());
+    // who waits for a tree with the pointer at rest is answered when it is there
+    this.makeTree = events.makeTree && ((mesh) => events.makeTree!(mesh).finally(() => this.lookAgain()));
     this.scene.add(new AmbientLight("#ffffff", 1.1), this.camera, this.markers, this.boxes.group);
     this.camera.add(this.lamp);
     this.lamp.position.set(0.4, 0.6, 1);
@@ -171,6 +181,7 @@ export class Viewer {
   }
 
   async screenshot(): Promise<Blob | null> {
+    this.renderer.setPixelRatio(this.fullRatio());
     this.render();
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
@@ -194,6 +205,7 @@ export class Viewer {
 
   dispose(): void {
     cancelAnimationFrame(this.frame);
+    clearTimeout(this.rest);
     this.sizes.disconnect();
     this.controls.dispose();
     for (const shell of this.shells) shell.dispose();
@@ -208,7 +220,7 @@ export class Viewer {
   private newControls(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.addEventListener("change", () => {
-      this.draw();
+      this.moved();
       for (const listen of this.listeners) listen();
     });
     controls.enableDamping = false;
@@ -245,10 +257,29 @@ export class Viewer {
   }
 
   private draw(): void {
-    if (!this.frame) this.frame = requestAnimationFrame(() => this.render());
+    if (!this.frame) this.frame = requestAnimationFrame(this.render);
   }
 
-  private render(): void {
+  private fullRatio(): number {
+    return Math.min(devicePixelRatio, 2);
+  }
+
+  /** Draw as sharp as the device keeps up with, and sharp when it rests. */
+  private moved(): void {
+    const ratio = this.fullRatio() * this.pace.moving(performance.now());
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    clearTimeout(this.rest);
+    this.rest = window.setTimeout(this.sharpen, REST_MS);
+    this.draw();
+  }
+
+  private readonly sharpen = (): void => {
+    if (this.renderer.getPixelRatio() === this.fullRatio()) return;
+    this.renderer.setPixelRatio(this.fullRatio());
+    this.draw();
+  };
+
+  private readonly render = (): void => {
     this.frame = 0;
     this.boxes.scaleTo(this.camera);
     for (const ball of this.markers.children) {
@@ -257,9 +288,15 @@ export class Viewer {
     this.renderer.render(this.scene, this.camera);
     if (this.pointer && this.events.onProbe) {
       const { x, y } = this.placeOf(this.pointer);
-      this.events.onProbe(pick(this.shells, this.camera, x, y, this.clip ? this.plane : null));
+      const plane = this.clip ? this.plane : null;
+      this.events.onProbe(pick(this.shells, this.camera, x, y, plane, this.makeTree));
       this.pointer = null;
     }
+  };
+
+  private lookAgain(): void {
+    this.pointer = this.hovering;
+    if (this.pointer) this.draw();
   }
 
   private placeOf(event: PointerEvent): Vector2 {
@@ -281,7 +318,7 @@ export class Viewer {
     const moved = this.boxes.drag(this.placeOf(event), this.camera);
     if (moved) this.events.onBox?.(moved.number, moved.box);
     else if (this.events.onProbe && event.buttons === 0) {
-      this.pointer = event;
+      this.pointer = this.hovering = event;
       this.draw();
     }
   };
@@ -291,7 +328,7 @@ export class Viewer {
   };
 
   private readonly onLeave = (): void => {
-    this.pointer = null;
+    this.pointer = this.hovering = null;
     this.events.onProbe?.(null);
   };
 
