@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from core.reports.citations import CITATION, NUMBER
+from core.reports.citations import NUMBER, renumbered
 from core.reports.figures.figure import Figure
 from core.schema.report import StepReport
 
@@ -28,13 +27,10 @@ def joined_methods(steps: Sequence[StepReport]) -> tuple[str, tuple[str, ...]]:
             continue
         works = [NUMBER.sub("", reference) for reference in step.references]
         numbers = [order.setdefault(work, len(order) + 1) for work in works]
-        texts.append(_renumbered(step.methods, numbers))
+        texts.append(_with_numbers(step.methods, numbers))
     return " ".join(texts), tuple(f"[{number}] {work}" for work, number in order.items())
 
 
-def _renumbered(text: str, numbers: Sequence[int]) -> str:
-    def entry(found: re.Match[str]) -> str:
-        own = int(found[1])
-        return f"[{numbers[own - 1]}]" if 1 <= own <= len(numbers) else found[0]
-
-    return CITATION.sub(entry, text)
+def _with_numbers(text: str, numbers: Sequence[int]) -> str:
+    """numbers: for each work of the step, that of the whole; brackets that cite none of them stay."""
+    return renumbered(text, lambda own: numbers[own - 1] if 1 <= own <= len(numbers) else own)
