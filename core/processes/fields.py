@@ -67,7 +67,7 @@ def run_fields(inputs: FieldsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
 
     Raises: InputError `fields.*`, `package.*`, `reference.not_a_mesh`; InternalError `reference.unresolved`, `canonical.corrupt`.
     """
-    loaded = _load(inputs, meshes, run.stage("load", 0.0, 0.25))
+    loaded = _load(inputs, meshes, run)
     step = run.stage("map", 0.25, 0.6)
     mapped: dict[str, MappedField] = {}
     for number, (name, surface) in enumerate(loaded.surfaces.items()):
@@ -91,13 +91,14 @@ def run_fields(inputs: FieldsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
 
 
 def _load(inputs: FieldsInputs, entries: Mapping[str, Mapping[str, Any]], run: RunContext) -> _Loaded:
-    source = load_surfaces(inputs, entries, run)
+    source = load_surfaces(inputs, entries, run.stage("load", 0.0, 0.1))
     unknown = sorted(set(inputs.only) - set(source.meshes))
     if unknown:
         raise InputError(
             "fields.surface_unknown", f"there is no surface {', '.join(unknown)}: there are {', '.join(source.meshes)}"
         )
     surfaces = {name: mesh for name, mesh in source.meshes.items() if not inputs.only or name in inputs.only}
+    step = run.stage("load the field", 0.1, 0.25)
     entry = _entry(inputs.field.href, entries)
     sources: dict[str, Any] = {**source.sources, "field": {"name": entry["name"], "sha256": entry["sha256"]}}
     read = load_field(Path(entry["path"]))
@@ -105,10 +106,10 @@ def _load(inputs: FieldsInputs, entries: Mapping[str, Mapping[str, Any]], run: R
     if isinstance(read, FieldTable):
         points = points_of(read, inputs.columns, inputs.not_finite)
         reader, findings = FieldReader(points, inputs), _of_rows(points)
-        run.log(f"{len(points.points)} points")
+        step.advance(1.0, f"{len(points.points)} points")
     else:
         reader = FieldReader(read, inputs)
-        run.log(f"{len(read.nodes)} nodes, {len(read.triangles)} triangles, {len(read.tetrahedra)} tetrahedra")
+        step.advance(1.0, f"{len(read.nodes)} nodes, {len(read.triangles)} triangles, {len(read.tetrahedra)} tetrahedra")
     coil = None
     if inputs.coil is not None:
         entry = _entry(inputs.coil.file.href, entries)

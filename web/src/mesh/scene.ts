@@ -10,6 +10,15 @@ export interface SceneAbout {
   origin_mm: [number, number, number];
   step_mm: number;
   surfaces: PackedSurface[];
+  /** What surfaces are painted by, if it is not their distance to the skin. */
+  painted?: Painted;
+}
+
+export interface Painted {
+  name: string;
+  unit: string;
+  /** From the start. */
+  shown: boolean;
 }
 
 interface PackedSurface {
@@ -19,7 +28,7 @@ interface PackedSurface {
   faces: number;
   of_faces: number;
   closed: boolean;
-  /** The largest distance to the skin, if its vertices have one. */
+  /** The largest distance to the skin (or of what it is painted by), if its vertices have one. */
   deepest_mm: number | null;
 }
 

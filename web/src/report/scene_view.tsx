@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { SceneAbout, SceneMesh } from "../mesh/scene";
+import type { Painted, SceneAbout, SceneMesh } from "../mesh/scene";
 import { type Bounds, boundsOf, type Triangles } from "../mesh/triangles";
 import { ClipControl } from "../parts/clip_control";
 import { Legend } from "../parts/legend";
@@ -10,14 +10,20 @@ import type { Clip, Field, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import type { Place } from "./places";
 
+const DEPTH: Painted = { name: "distance to the skin", unit: "mm", shown: false };
 const BEFORE = " before"; // what a surface was made from: hidden until asked for
 
 /** The surfaces of a report: seen through, cut open, with the places its tables name. */
 export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes: SceneMesh[]; places: Place[] }) {
+  const paintedBy = about.painted ?? DEPTH;
   const [surfaces, setSurfaces] = useState<Surface[]>(() =>
     about.surfaces.map(({ name, colour, closed }, i) => ({
       ...{ name, colour, closed, mesh: meshes[i]!.mesh },
-      ...{ visible: !name.endsWith(BEFORE), opacity: 1, field: null },
+      ...{
+        visible: !name.endsWith(BEFORE),
+        opacity: 1,
+        field: paintedBy.shown ? fieldOf(meshes[i]!, paintedBy) : null,
+      },
     })),
   );
   const bounds = useMemo(() => boundsOfAll(meshes.map(({ mesh }) => mesh)), [meshes]);
@@ -55,7 +61,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
 
   const painted = surfaces.some((one) => one.field !== null);
   const paint = (on: boolean) =>
-    setSurfaces(surfaces.map((one, i) => ({ ...one, field: on ? depthField(meshes[i]!) : null })));
+    setSurfaces(surfaces.map((one, i) => ({ ...one, field: on ? fieldOf(meshes[i]!, paintedBy) : null })));
   const change = (name: string, part: Partial<Surface>) =>
     setSurfaces(surfaces.map((one) => (one.name === name ? { ...one, ...part } : one)));
   return (
@@ -67,7 +73,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
         {meshes.some(({ depths }) => depths !== null) && (
           <label class="row">
             <input type="checkbox" checked={painted} onChange={(event) => paint(event.currentTarget.checked)} />
-            Depth: distance to the skin, in colours
+            {paintedBy === DEPTH ? "Depth: distance to the skin" : paintedBy.name}, in colours
           </label>
         )}
         {surfaces.map(
@@ -95,12 +101,12 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
   );
 }
 
-function depthField({ depths }: SceneMesh): Field | null {
+function fieldOf({ depths }: SceneMesh, { name, unit }: Painted): Field | null {
   if (!depths) return null;
   const [low, high] = usualRange(depths);
   return {
-    name: "distance to the skin",
-    unit: "mm",
+    name,
+    unit,
     values: depths,
     low: Math.min(low, 0.5 * high),
     high,
