@@ -18,9 +18,10 @@ def fact_name(key: str) -> tuple[str, str]:
 
 
 def heading(key: str) -> str:
-    """Of a column: `distance_mm` -> `distance [mm]`."""
+    """Of a column: `distance_mm` -> `distance [mm]`, `fat.area_mm2` -> `fat area [mm²]`."""
     name, unit = fact_name(key)
-    return f"{name} [{unit}]" if unit else name
+    words = name.replace(".", " ")
+    return f"{words} [{unit}]" if unit else words
 
 
 def fact_value(key: str, value: Any) -> str:

@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from core.reports import wording
 from core.reports.citations import in_order_of_citation
+from core.reports.facts import heading
 
 
 def template(name: str) -> Template:
@@ -47,5 +48,6 @@ def _environment() -> Environment:
         "sentence",
     ):
         environment.filters[word] = getattr(wording, word)
+    environment.filters["heading"] = heading
     environment.filters["cited"] = in_order_of_citation
     return environment

@@ -40,7 +40,7 @@ def significant(value: float | None, digits: int = 3) -> str:
     """`0.0213`, `12.4`, `1 240`; never an exponent for what people can read."""
     if value is None:
         return NOT_KNOWN
-    if value == 0 or 1e-4 <= abs(value) < 1e6:
+    if value == 0 or 1e-4 <= abs(value) < 1e9:
         text = f"{value:.{digits}g}"
         return whole(round(value)) if "e" in text else text.replace("-", "−")
     return f"{value:.{digits - 1}e}".replace("-", "−")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.reports.cohort.summary import columns_of, sentence
+from core.reports.cohort.summary import sentence, varying_columns
 from core.reports.template import template
 from core.schema.cohort import CohortSummary
 
@@ -12,7 +12,7 @@ def render_page(summary: CohortSummary) -> str:
     return template("cohort.html.j2").render(
         summary=summary,
         sentence=sentence(summary),
-        columns=columns_of(summary.rows),
+        columns=varying_columns(summary.rows),
         marked={(outlier.subject, outlier.column): outlier for outlier in summary.outliers},
         troubled=[row for row in summary.rows if row.status != "successful"],
     )

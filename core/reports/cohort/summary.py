@@ -55,6 +55,12 @@ def columns_of(rows: Sequence[SubjectRow]) -> list[str]:
     return list(dict.fromkeys(column for row in rows for column in row.numbers))
 
 
+def varying_columns(rows: Sequence[SubjectRow]) -> list[str]:
+    """Those whose number is not the same for all that have numbers."""
+    numbers = [row.numbers for row in rows if row.numbers]
+    return [column for column in columns_of(rows) if len({own.get(column) for own in numbers}) > 1]
+
+
 def _row(subject: EndedSubject, numbers: Mapping[str, float]) -> SubjectRow:
     return SubjectRow(
         subject=subject.subject,

@@ -20,4 +20,4 @@ def test_nested_facts_carry_the_words_above_them_and_nothing_is_a_dash():
 
 
 def test_the_longest_unit_counts():
-    assert [heading(key) for key in ("volume_mm3", "gap_mm", "vertices")] == ["volume [mm³]", "gap [mm]", "vertices"]
+    assert [heading(key) for key in ("fat.volume_mm3", "gap_mm", "vertices")] == ["fat volume [mm³]", "gap [mm]", "vertices"]

@@ -8,7 +8,7 @@ from typing import Any
 
 from core.reports.cohort.numbers import numbers_of
 from core.reports.cohort.page import render_page
-from core.reports.cohort.summary import sentence, summarize_cohort
+from core.reports.cohort.summary import sentence, summarize_cohort, varying_columns
 from core.reports.cohort.table import render_table
 from core.schema.cohort import CohortSummary, CohortSummaryInputs, EndedSubject
 
@@ -125,3 +125,11 @@ def test_nothing_but_refused_subjects_is_a_summary_too() -> None:
     assert (told.columns, told.outliers) == ({}, ())
     assert "format.unknown" in render_page(told)
     assert len(render_table(told).splitlines()) == 2
+
+
+def test_what_is_the_same_for_all_takes_no_column_of_the_table_of_subjects() -> None:
+    told = summary_of(VOLUMES, subject("lost", "failed", code="skin.not_closed", message="3 open edges"))
+    assert varying_columns(told.rows) == ["skin.volume_mm3"]
+    page = render_page(told)
+    assert page.count("<th>errors</th>") == 1, "in the table of what is usual"
+    assert page.count("<th>skin volume [mm³]</th>") == 2
