@@ -20,6 +20,8 @@ WRITTEN_AS = {
     "mat": ("application/x-matlab-data", ".mat"),
     "ply": ("application/ply", ".ply"),
     "obj": ("model/obj", ".obj"),
+    "glb": ("model/gltf-binary", ".glb"),
+    "vtu": ("application/x-vtu", ".vtu"),
 }
 
 

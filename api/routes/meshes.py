@@ -17,7 +17,7 @@ from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.intake import name_of, parse, require_mesh, require_unit
 from api.links import BASE, mesh_path
 from api.mesh_documents import describe_mesh, list_meshes
-from api.mesh_export import StoredMesh, export_mesh
+from api.mesh_export import WRITTEN_AS, StoredMesh, export_mesh
 from api.paging import add_next_link
 from api.parameters import Cursor, IdempotencyKey, MeshId, MostFaces, PageLimit, TextFilter
 from api.request_folder import request_folder
@@ -33,8 +33,8 @@ from store.workspace import WorkspaceId
 
 router = APIRouter(prefix="/meshes", tags=["Meshes"])
 
-FileFormat = Literal["original", "stl", "stl-ascii", "mat", "ply", "obj"]
-FILE_MEDIA_TYPES = ("application/octet-stream", "model/stl", "application/x-matlab-data", "application/ply", "model/obj")
+FileFormat = Literal["original", "stl", "stl-ascii", "mat", "ply", "obj", "glb", "vtu"]
+FILE_MEDIA_TYPES = ("application/octet-stream", *sorted({media_type for media_type, _extension in WRITTEN_AS.values()}))
 _UPLOAD_BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,

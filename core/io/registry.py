@@ -7,7 +7,7 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from core.errors import InputError
-from core.io import mat, obj, ply, stl, stl_ascii, stl_binary
+from core.io import glb, mat, obj, ply, stl, stl_ascii, stl_binary, vtu
 from core.io.extents import check_extents
 from core.io.format import Format, Writer
 from core.io.naming import clean_name, make_unique
@@ -23,6 +23,7 @@ FORMATS: dict[str, Format] = {
     "obj": Format((".obj",), "model/obj", obj.read, obj.write),
 }
 WRITERS: dict[str, Writer] = {**{name: format_.write for name, format_ in FORMATS.items()}, "stl-ascii": stl_ascii.write}
+WRITTEN_ONLY: dict[str, Writer] = {"glb": glb.write, "vtu": vtu.write}
 FORMAT_OF_EXTENSION = {extension: name for name, format_ in FORMATS.items() for extension in format_.extensions}
 
 
@@ -48,11 +49,12 @@ def read_meshes(data_path: Path, *, file_name: str, unit: Unit) -> Intake:
 
 
 def write_mesh(mesh: Mesh, path: Path, format: str, name: str) -> None:  # noqa: A002 - the word of the API
-    """Write `mesh` in mm. `format` is a key of WRITERS (stl is binary); the same mesh and name give the same bytes.
+    """Write `mesh` in mm. `format` is a key of WRITERS (stl is binary) or WRITTEN_ONLY; same mesh and name, same bytes.
 
     Raises: InputError `format.unknown`.
     """
-    writer = WRITERS.get(format)
+    writers = WRITERS | WRITTEN_ONLY
+    writer = writers.get(format)
     if writer is None:
-        raise InputError("format.unknown", f"the format {clean_name(format)!r} is not known; use one of {', '.join(WRITERS)}")
+        raise InputError("format.unknown", f"the format {clean_name(format)!r} is not known; use one of {', '.join(writers)}")
     writer(mesh, path, name)

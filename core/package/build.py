@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.io.registry import write_mesh
-from core.package import gmsh, nastran, openmeeg, smesh
+from core.package import glb, gmsh, nastran, openmeeg, smesh
 from core.package.archive import write_archive
 from core.package.bem_fmm import FOLDER as BEM_FMM
 from core.package.bem_fmm import matlab_index, python_index
@@ -85,6 +85,7 @@ def _write_solver_files(folder: Path, tissues: Sequence[Tissue], report: Report)
     merged = merge(tissues)
     gmsh.write_surfaces(_parent_of(folder / gmsh.FILE), merged)
     _write_text(folder / nastran.FILE, nastran.bulk_data(merged))
+    _parent_of(folder / glb.FILE).write_bytes(glb.surfaces_glb(tissues))
     gaps = [pair.min_gap_mm for pair in report.pairs if pair.min_gap_mm]
     _write_text(folder / smesh.FILE, smesh.smesh_text(tissues, min(gaps, default=LONE_MM)))
 
@@ -126,7 +127,8 @@ def _tissue_entry(tissue: Tissue, tag: int, files: dict[str, FileEntry]) -> Tiss
 
 
 def _guess_note(tissue: Tissue) -> str:
-    return f"no default conductivity is known for '{tissue.name}': {tissue.conductivity_s_per_m:g} S/m is that of muscle, set your own"
+    value = f"{tissue.conductivity_s_per_m:g} S/m"
+    return f"no default conductivity is known for '{tissue.name}': {value} is that of muscle, set your own"
 
 
 def _is_guess(tissue: Tissue) -> bool:

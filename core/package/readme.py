@@ -53,6 +53,7 @@ def _head(tissues: Sequence[Tissue], report: Report, with_volume: bool) -> str:
         "  bem-fmm/           tissue_index.txt with its MAT files for MATLAB, tissue_index.yaml for Python",
         "  openmeeg/          model.geom, model.cond and NAME.tri",
         "  gmsh/, nastran/, tetgen/   all surfaces in one file, numbered by region_tag of manifest.json",
+        "  glb/surfaces.glb   all surfaces in their colours for viewers and slides, in metres",
         *(["  gmsh/volume.msh    tetrahedra of all tissues, and their surfaces"] if with_volume else []),
         "  manifest.json      tissues, parameters, versions, and the SHA-256 of every file",
         "  report/  what was proven, with pictures",

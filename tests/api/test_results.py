@@ -14,7 +14,7 @@ from api.downloads import content_disposition, requested_span
 from api.mesh_export import WRITTEN_AS
 from api.routes.meshes import FILE_MEDIA_TYPES
 from core.errors import InputError, InternalError, LimitError, StateError
-from core.io.registry import FORMATS, WRITERS, write_mesh
+from core.io.registry import FORMATS, WRITERS, WRITTEN_ONLY, write_mesh
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
 from store.workspace import DEFAULT_WORKSPACE
@@ -267,6 +267,14 @@ def test_meshes_come_in_every_format(api: Live, mesh_href: str, stl: bytes, file
     assert (told["vertices"], told["faces"], told["extents_mm"]) == (4, 4, [100.0, 100.0, 100.0])
 
 
+@pytest.mark.parametrize(("file_format", "first"), [("glb", b"glTF"), ("vtu", b"<?xml")])
+def test_meshes_come_in_formats_for_viewers(api: Live, mesh_href: str, file_format: str, first: bytes) -> None:
+    response = api.client.get(f"{mesh_href}/file", params={"format": file_format})
+    assert response.content.startswith(first)
+    assert response.headers["content-type"] in FILE_MEDIA_TYPES
+    assert response.headers["content-disposition"] == f'attachment; filename="skin.{file_format}"'
+
+
 def test_a_large_mesh_is_thinned_for_the_eye_alone(api: Live, tmp_path: Path) -> None:
     ball = sphere(50.0, 4)
     write_mesh(ball, tmp_path / "ball.ply", "ply", "ball")
@@ -306,7 +314,9 @@ def test_a_large_surface_of_a_job_is_thinned_and_kept(api: Live) -> None:
 
 def test_formats_are_told_as_they_are_written() -> None:
     known = {name: FORMATS[name.partition("-")[0]] for name in WRITERS}
-    assert {name: (each.media_type, each.extensions[0]) for name, each in known.items()} == WRITTEN_AS
+    read_too = {name: (each.media_type, each.extensions[0]) for name, each in known.items()}
+    assert {name: WRITTEN_AS[name] for name in WRITERS} == read_too
+    assert set(WRITTEN_AS) == {*WRITERS, *WRITTEN_ONLY}
 
 
 def test_a_converted_mesh_can_be_fetched_in_parts(api: Live, mesh_href: str) -> None:

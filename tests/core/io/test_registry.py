@@ -162,7 +162,7 @@ def test_the_size_of_a_binary_stl_outweighs_any_signature(file: Path) -> None:
 
 
 def test_other_formats_and_units_are_refused(file: Path) -> None:
-    with pytest.raises(InputError, match="'step' is not known; use one of stl, mat, ply, obj, stl-ascii") as caught:
+    with pytest.raises(InputError, match="'step' is not known; use one of stl, mat, ply, obj, stl-ascii, glb, vtu") as caught:
         write_mesh(TETRAHEDRON, file, "step", "skin")
     assert caught.value.code == "format.unknown"
     assert not file.exists()

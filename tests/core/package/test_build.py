@@ -53,6 +53,7 @@ def test_content_is_that_of_the_spec(built):
             "openmeeg/model.geom",
             "openmeeg/model.cond",
             *(f"openmeeg/{name}.tri" for name in names),
+            "glb/surfaces.glb",
             "gmsh/surfaces.msh",
             "nastran/surfaces.nas",
             "tetgen/surfaces.smesh",
