@@ -46,6 +46,17 @@ class InnerTissue(FrozenModel):
     )
 
 
+class SkinSmoothing(SmoothParameters):
+    """As `smooth`, but with defaults for a skin that layers are made of: slivers go, anatomy stays."""
+
+    max_shift_mm: float | None = Field(
+        0.5, gt=0, le=1000, description="No vertex goes farther from where it was; null: as far as it likes"
+    )
+    retriangulate: bool = Field(
+        True, description="Flip edges towards Delaunay between iterations where the surface is nearly flat (thesis 3.4.2)"
+    )
+
+
 class TissueGaps(FrozenModel):
     """How inner tissues that touch or cross are set apart. Layers stay as they are."""
 
@@ -69,7 +80,7 @@ class PrepareInputs(ConductivityInputs):
     detach: DetachSettings | None = Field(
         None, description="Set parts of the skin apart that are grown together where they touch, such as arms and torso"
     )
-    smooth: SmoothParameters | None = Field(
+    smooth: SkinSmoothing | None = Field(
         None, description="Better triangles of the skin, or less noise; slivers leave layers no room"
     )
     ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] | None = Field(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from core.reports.figures.compare import draw_comparison
 from core.reports.figures.figure import Figure
 from core.run import RunContext
 from core.schema.finding import Finding, Severity
+from core.schema.model import FrozenModel
 from core.schema.prepare import PrepareInputs
 from core.schema.report import Report, StepReport
 from core.smoothing.smooth import smooth
@@ -31,6 +33,17 @@ from core.validation.requirements import require_fit_skin
 from core.validation.validate import Validation, validate
 
 SKIN = "skin"
+
+
+class Changed(Protocol):
+    """What the work of a step gives."""
+
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def changes(self) -> tuple[dict[str, Any], ...]: ...
+    @property
+    def findings(self) -> tuple[Finding, ...]: ...
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,25 +64,15 @@ def heal_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
         log.leave_out("heal", "not asked for: the skin was fit as it came")
         return skin
     asked = inputs.as_heal()
-
-    def work(run: RunContext) -> ChangedSkin:
-        before = validate({SKIN: skin}, run=run.stage("heal: look at the skin", 0.0, 0.2))
-        healed = heal_surface(SKIN, skin, asked, run.stage("heal", 0.2, 0.8), alone=True)
-        made = _changed(skin, healed.mesh, before, healed.changes, healed.findings, run.stage("heal: compare", 0.8, 1.0))
-        if made.after.verdict != "simulation_ready" or made.after.meshes[SKIN].components != 1:
-            require_fit_skin(made.mesh, SKIN)  # says by name what is left
-        return made
-
-    made = log.take("heal", work, skin, asked.model_dump(mode="json", exclude={"mesh"}))
+    made = _change("heal", skin, asked, log, lambda run: heal_surface(SKIN, skin, asked, run, alone=True))
     healed = Healed(made.mesh, np.empty(0, dtype=np.int64), made.changes, made.findings)
-    report = _mini_report("heal", skin, made)
     faults = sum(finding.count for finding in made.before.findings if finding.severity is Severity.ERROR)
     _tell(
         log,
         "heal",
         skin,
         made,
-        summary=healing_summary(report, made.before, {SKIN: healed}),
+        summary=healing_summary(_mini_report("heal", skin, made), made.before, {SKIN: healed}),
         numbers={"faults found": faults},
         methods=healing_methods(asked) if made.changes else "",
         references=VALIDATE_REFERENCES,
@@ -79,21 +82,12 @@ def heal_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
 
 
 def decimate_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
-    """Thinned out. Raises: InputError `surface.*`, `region.*`, `decimate.*`."""
+    """Thinned out. Raises: InputError `surface.*`, `region.*`, `decimate.*`, `skin.*` if `literal` broke it."""
     if inputs.decimate is None:
         log.leave_out("decimate", "not asked for")
         return skin
     asked = inputs.as_decimate()
-
-    def work(run: RunContext) -> ChangedSkin:
-        before = validate({SKIN: skin}, run=run.stage("decimate: look at the skin", 0.0, 0.2))
-        thin = decimate({SKIN: skin}, asked, run.stage("decimate", 0.2, 0.8))[SKIN]
-        made = _changed(skin, thin.mesh, before, thin.changes, thin.findings, run.stage("decimate: compare", 0.8, 1.0))
-        if made.after.verdict != "simulation_ready":  # `literal` promises nothing
-            require_fit_skin(made.mesh, SKIN)
-        return made
-
-    made = log.take("decimate", work, skin, asked.model_dump(mode="json", exclude={"mesh"}))
+    made = _change("decimate", skin, asked, log, lambda run: decimate({SKIN: skin}, asked, run)[SKIN])
     _tell(
         log,
         "decimate",
@@ -114,13 +108,7 @@ def smooth_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
         log.leave_out("smooth", "not asked for")
         return skin
     asked = inputs.as_smooth()
-
-    def work(run: RunContext) -> ChangedSkin:
-        before = validate({SKIN: skin}, run=run.stage("smooth: look at the skin", 0.0, 0.2))
-        made = smooth({SKIN: skin}, asked, run.stage("smooth", 0.2, 0.8))[SKIN]
-        return _changed(skin, made.mesh, before, made.changes, made.findings, run.stage("smooth: compare", 0.8, 1.0))
-
-    made = log.take("smooth", work, skin, asked.model_dump(mode="json", exclude={"mesh"}))
+    made = _change("smooth", skin, asked, log, lambda run: smooth({SKIN: skin}, asked, run)[SKIN])
     lowest = [found.meshes[SKIN].quality.minimum for found in (made.before, made.after)]
     _tell(
         log,
@@ -136,18 +124,24 @@ def smooth_skin(inputs: PrepareInputs, skin: Mesh, log: StepLog) -> Mesh:
     return made.mesh
 
 
-def _changed(
-    skin: Mesh,
-    result: Mesh,
-    before: Validation,
-    changes: tuple[dict[str, Any], ...],
-    findings: tuple[Finding, ...],
-    run: RunContext,
-) -> ChangedSkin:
+def _change(name: str, skin: Mesh, asked: FrozenModel, log: StepLog, make: Callable[[RunContext], Changed]) -> ChangedSkin:
+    """The skin looked at, changed, and compared; what is handed on is fit. Raises: what `make` raises, InputError `skin.*`."""
+
+    def work(run: RunContext) -> ChangedSkin:
+        before = validate({SKIN: skin}, run=run.stage(f"{name}: look at the skin", 0.0, 0.2))
+        made = _compare(skin, make(run.stage(name, 0.2, 0.8)), before, run.stage(f"{name}: compare", 0.8, 1.0))
+        if made.after.verdict != "simulation_ready" or made.after.meshes[SKIN].components != 1:
+            require_fit_skin(made.mesh, SKIN)  # says by name what is left
+        return made
+
+    return log.take(name, work, skin, asked.model_dump(mode="json", exclude={"mesh"}))
+
+
+def _compare(skin: Mesh, made: Changed, before: Validation, run: RunContext) -> ChangedSkin:
     """Checked and measured; a skin that is the same needs no second look."""
-    same = np.array_equal(skin.vertices, result.vertices) and np.array_equal(skin.faces, result.faces)
-    after = before if same else validate({SKIN: result}, run=run)
-    return ChangedSkin(result, before, after, measure_deviation(skin, result), changes, findings)
+    same = np.array_equal(skin.vertices, made.mesh.vertices) and np.array_equal(skin.faces, made.mesh.faces)
+    after = before if same else validate({SKIN: made.mesh}, run=run)
+    return ChangedSkin(made.mesh, before, after, measure_deviation(skin, made.mesh), made.changes, made.findings)
 
 
 def _tell(

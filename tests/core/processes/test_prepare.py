@@ -192,6 +192,13 @@ def test_unfit_input_is_refused_by_name(tmp_path: Path, code: str) -> None:
     assert {"report", "report_html", "steps"} <= {output["name"] for output in caught.value.outputs}
 
 
+def test_smoothing_is_bound_unless_asked_otherwise() -> None:
+    bound = PrepareInputs.model_validate({"skin": LINK, "smooth": {}}).as_smooth()
+    assert (bound.max_shift_mm, bound.retriangulate) == (0.5, True)
+    sent = PrepareInputs.model_validate({"skin": LINK, "smooth": {"max_shift_mm": None}}).model_dump(mode="json")
+    assert PrepareInputs.model_validate(sent).as_smooth().max_shift_mm is None
+
+
 LINK = {"href": f"/v1/meshes/{'0' * 36}"}
 
 
