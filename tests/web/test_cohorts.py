@@ -95,7 +95,10 @@ def test_files_are_sent_and_those_that_are_no_mesh_are_left_out(api: Live, brows
             [{"name": name, "mimeType": "model/stl", "buffer": content} for name, content in files]
         )
         expect(seen.page.get_by_text("Say the unit of the files.")).to_be_visible()
+        seen.page.get_by_label("Unit of the coordinates in the files").select_option("m")
+        expect(seen.page.get_by_text("unlike a human").first).to_be_visible()
         seen.page.get_by_label("Unit of the coordinates in the files").select_option("mm")
+        expect(seen.page.get_by_text("unlike a human")).to_have_count(0)
         expect(seen.page.get_by_text("Left out: ")).to_be_visible()
         expect(seen.page.get_by_text("2 subjects.")).to_be_visible()
         assert seen.barriers() == []

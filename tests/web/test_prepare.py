@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from store.settings import Settings
 from tests.acceptance.service import binary_stl
@@ -13,6 +15,8 @@ from tests.api.live import serving
 from tests.solids import sphere
 from tests.valkey import ValkeyServer
 from tests.web.browser import chromium, visit
+
+FIELD_OF_VIEW_DEG, SHOWN_SHARE = 32.0, 0.98  # of web/src/viewer/viewer.ts
 
 
 def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shared_valkey: ValkeyServer) -> None:
@@ -30,6 +34,9 @@ def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shar
         expect(using.nth(1)).not_to_be_checked()  # decimate
         using.nth(0).uncheck()
         using.nth(4).uncheck()  # canals go with ears; detach and smooth are off
+        using.nth(2).check()
+        page.get_by_role("button", name="Add a box").first.click()
+        pull_top(seen.page, seen.drawn, by_mm=20.0)
         page.get_by_role("button", name="Add a tissue").click()
         page.get_by_label("Mesh of tissue 1").select_option(organ)
         page.get_by_label("Name of tissue 1").fill("heart")
@@ -42,10 +49,31 @@ def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shar
         job = page.url.rpartition("/")[2]
         asked = live.client.get(f"/v1/jobs/{job}/inputs").json()["inputs"]
         assert asked["heal"] is None
+        [arm] = asked["detach"]["regions"]
+        assert arm["box_mm"]["min"] == [-10, -10, -10]
+        assert arm["box_mm"]["max"][:2] == [10, 10]
+        assert abs(arm["box_mm"]["max"][2] - 30) < 2, "pulled up by two centimetres"
         assert "ears" not in asked
         assert "generate_canals" not in asked
         assert asked["tissues"] == [{"name": "heart", "mesh": {"href": organ}, "conductivity_s_per_m": 0.4}]
-        assert asked["tetrahedra"] == {"radius_edge": 1.5, "max_volume_mm3": {}}
+        assert asked["tetrahedra"]["radius_edge"] == 1.5
         page.goto(f"/#/new?like={job}")
         expect(page.get_by_label("Name of tissue 1")).to_have_value("heart")
         expect(using.nth(0)).not_to_be_checked()
+
+
+def pull_top(page: Page, drawn: Callable[[], None], *, by_mm: float) -> None:
+    """Take the handle on top of a box of 20 mm in the middle of a sphere of 50 mm, seen along x, and pull it up."""
+    page.evaluate("scrollTo(0, 0)")
+    page.get_by_role("button", name="+x").click()
+    drawn()
+    view = page.locator(".viewer canvas").bounding_box()
+    assert view is not None
+    half = math.radians(FIELD_OF_VIEW_DEG / 2)
+    away_mm = SHOWN_SHARE * 50.0 * math.sqrt(3) / math.sin(half)
+    pixels_per_mm = view["height"] / (2 * away_mm * math.tan(half))
+    x, y = view["x"] + view["width"] / 2, view["y"] + view["height"] / 2 - 10.0 * pixels_per_mm
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - by_mm * pixels_per_mm, steps=5)
+    page.mouse.up()

@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { deleteMesh } from "../api/meshes";
 import type { MeshInfo, Unit } from "../api/types";
 import { makeMesh, type Sending, sendFile } from "../api/uploads";
 import { isArchive, type Subject } from "./subject";
@@ -16,8 +17,14 @@ export function useSubjects(unit: Unit | "") {
   useEffect(() => {
     const next = subjects.find((one) => waitsFor(one, unit) && !busy.current.has(one.number));
     if (!next || busy.current.size >= AT_ONCE) return;
-    const work = next.upload ? read(next.upload, unit as Unit) : send(next);
-    busy.current.set(next.number, null);
+    // an upload is read once: for another unit the file is sent anew
+    const stale = next.mesh;
+    if (stale) void deleteMesh(stale.id).catch(() => {}); // one too many on the server harms nobody
+    const sending = next.upload && !stale ? null : sendFile(next.file!, (share) => change(next.number, { share }));
+    busy.current.set(next.number, sending);
+    const work =
+      sending?.done.then((upload) => ({ upload, share: 1, mesh: undefined, unit: undefined })) ??
+      read(next.upload!, unit as Unit);
     work.then(
       (part) => finish(next.number, part),
       (error) => finish(next.number, error?.name === "AbortError" ? {} : { error }),
@@ -34,11 +41,6 @@ export function useSubjects(unit: Unit | "") {
   const finish = (number: number, part: Partial<Subject>) => {
     busy.current.delete(number);
     change(number, part);
-  };
-  const send = async (subject: Subject): Promise<Partial<Subject>> => {
-    const sending = sendFile(subject.file!, (share) => change(subject.number, { share }));
-    queueMicrotask(() => busy.current.has(subject.number) && busy.current.set(subject.number, sending));
-    return { upload: await sending.done, share: 1 };
   };
   const add = (more: Omit<Subject, "number" | "share">[]) =>
     setSubjects((all) => [...all, ...more.map((one) => ({ ...one, number: ++last.current, share: 0 }))]);

@@ -7,9 +7,9 @@ export interface Subject {
   file?: File;
   /** Of what was received, until it is read as a mesh. */
   upload?: string;
-  /** The unit `mesh` was read in; another one reads the upload again. */
-  unit?: Unit;
-  mesh?: MeshInfo;
+  /** The unit `mesh` was read in. */
+  unit?: Unit | undefined;
+  mesh?: MeshInfo | undefined;
   share: number;
   error?: unknown;
 }
