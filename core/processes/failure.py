@@ -43,7 +43,7 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
             "verdict": "not_ready",
             "summary": error.message,
             "findings": (*findings, *_others(looked_at.findings, findings)),
-            "parameters": known.parameters or {"inputs": _asked(payload["inputs"]), "sha256": _sources(payload)},
+            "parameters": known.parameters or {**_asked(payload["inputs"]), "sha256": _sources(payload)},
             "software": software_versions(),
         }
     )

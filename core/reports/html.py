@@ -37,6 +37,7 @@ def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None =
         title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
         ready=report.verdict == "simulation_ready",
         rows=tissue_rows(report),
+        names={*report.meshes, *(place.mesh for finding in report.findings for place in finding.places)},
         nesting=nesting_lines(report),
         changes=change_entries(report.changes),
         findings=sorted(report.findings, key=_urgency),

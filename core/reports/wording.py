@@ -13,6 +13,7 @@ MM3_PER_CM3 = 1e3
 NOT_KNOWN = "–"
 THIN_SPACE = "\u202f"
 MOST_NUMBERS = 12
+ROUNDING = 1e-9  # of numbers of any unit
 NOTHING_MM = 1e-6  # the last digit of coordinates of a body in single precision is larger
 
 _RELATIONS: dict[Relation, str] = {
@@ -137,7 +138,7 @@ def quantity(value: float | int | str) -> str:
     if isinstance(value, bool):
         return yes_no(value)
     if isinstance(value, float):
-        return significant(value, 4)
+        return significant(value if abs(value) >= ROUNDING else 0.0, 4)
     return whole(value) if isinstance(value, int) else value
 
 

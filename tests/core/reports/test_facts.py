@@ -15,8 +15,8 @@ def test_units_are_said_and_digits_are_few():
 
 
 def test_nested_facts_carry_the_words_above_them_and_nothing_is_a_dash():
-    told = {"refused": {"sliver": 8}, "gap_mm": None, "names": []}
-    assert facts_of(told) == [("refused, sliver", "8"), ("gap", "–"), ("names", "–")]
+    told = {"refused": {"sliver": 8}, "gap_mm": None, "names": [], "off_mm": 8e-15}
+    assert facts_of(told) == [("refused, sliver", "8"), ("gap", "–"), ("names", "–"), ("off", "0 mm")]
 
 
 def test_the_longest_unit_counts():
