@@ -10,20 +10,23 @@ from core.schema.conductivities import ConductivityInputs
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
 from core.schema.shells import (
+    DEFAULT_LAYERS,
+    BlendMm,
     Box,
     DepthMm,
-    Layer,
     LayerName,
+    Layers,
     Region,
     ShellsInputs,
     SkinShiftMm,
+    ThinPolicy,
     require_distinct,
     require_ordered,
     require_tissues,
 )
 from core.schema.validate import MeshName
 
-DEFAULT_LAYERS = (Layer(name="fat", depth_mm=1.0), Layer(name="average_body", depth_mm=3.0))
+EarDepths = Annotated[dict[LayerName, DepthMm], Field(min_length=1)]
 THESIS_DEPTHS_MM = {"fat": 0.3, "average_body": 0.6}
 
 
@@ -32,9 +35,7 @@ class EarRegion(FrozenModel):
 
     name: MeshName
     box_mm: Box
-    depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] | None = Field(
-        None, description="Layer name -> depth in this ear; default is `ear_depths_mm`"
-    )
+    depths_mm: EarDepths | None = Field(None, description="Layer name -> depth in this ear; default is `ear_depths_mm`")
     blend_mm: float | None = Field(None, ge=0, le=100, description="Default is the job's `blend_mm`")
 
 
@@ -46,28 +47,32 @@ class CanalShape(FrozenModel):
     bend_mm: float = Field(2.0, ge=0, le=3.5, description="Swing of the S to either side")
 
 
+EarBoxes = Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)]
+Canals = Annotated[
+    tuple[MeshReference, ...],
+    Field(max_length=8, description="Closed meshes of the ear canals' air, reaching out of the skin; they are cut out of it"),
+]
+GeneratedCanals = Annotated[
+    CanalShape | None,
+    Field(description="Cut a canal of this shape into each ear found; only with ears `auto` and without `canals`"),
+]
+OtherRegions = Annotated[tuple[Region, ...], Field(max_length=32, description="Other boxes with their own depths")]
+
+
 class EarsInputs(ConductivityInputs):
     """A skin whose ears get thinner layers. The defaults are the thesis' case (6.4)."""
 
     skin: MeshReference
-    ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] = Field(
-        "auto", description="`auto` finds both ears of a whole body; otherwise their boxes"
-    )
-    canals: Annotated[tuple[MeshReference, ...], Field(max_length=8)] = Field(
-        (), description="Closed meshes of the canals' air, reaching out of the skin; they are cut out of it"
-    )
-    generate_canals: CanalShape | None = Field(
-        None, description="Cut a canal of this shape into each ear found; only with ears `auto` and without `canals`"
-    )
-    layers: Annotated[tuple[Layer, ...], Field(min_length=1, max_length=16)] = DEFAULT_LAYERS
-    ear_depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] = Field(
+    ears: Literal["auto"] | EarBoxes = Field("auto", description="`auto` finds both ears of a whole body; otherwise their boxes")
+    canals: Canals = ()
+    generate_canals: GeneratedCanals = None
+    layers: Layers = DEFAULT_LAYERS
+    ear_depths_mm: EarDepths = Field(
         THESIS_DEPTHS_MM, description="Layer name -> depth in the ears and in the walls of their canals"
     )
-    blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
-    regions: Annotated[tuple[Region, ...], Field(max_length=32)] = Field((), description="Other boxes with their own depths")
-    thin_policy: Literal["adapt", "fail"] = Field(
-        "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
-    )
+    blend_mm: BlendMm = 5.0
+    regions: OtherRegions = ()
+    thin_policy: ThinPolicy = "adapt"
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two shells")
     skin_shift_mm: SkinShiftMm = 0.0
 

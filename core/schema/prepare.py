@@ -9,18 +9,27 @@ from pydantic import Field, model_validator
 from core.schema.conductivities import Conductivity, ConductivityInputs
 from core.schema.decimate import DecimateInputs, DecimateParameters
 from core.schema.detach import DetachSettings
-from core.schema.ears import DEFAULT_LAYERS, THESIS_DEPTHS_MM, CanalShape, EarRegion, EarsInputs
+from core.schema.ears import (
+    THESIS_DEPTHS_MM,
+    Canals,
+    EarBoxes,
+    EarDepths,
+    EarsInputs,
+    GeneratedCanals,
+    OtherRegions,
+)
 from core.schema.heal import HealInputs, HealParameters
 from core.schema.model import FrozenModel
 from core.schema.reference import MeshReference
 from core.schema.separate import Priority, SeparateInputs
 from core.schema.shells import (
-    DepthMm,
-    Layer,
-    LayerName,
+    DEFAULT_LAYERS,
+    BlendMm,
+    Layers,
     Region,
     ShellsInputs,
     SkinShiftMm,
+    ThinPolicy,
     require_distinct,
     require_ordered,
     require_tissues,
@@ -83,27 +92,18 @@ class PrepareInputs(ConductivityInputs):
     smooth: SkinSmoothing | None = Field(
         None, description="Better triangles of the skin, or less noise; slivers leave layers no room"
     )
-    ears: Literal["auto"] | Annotated[tuple[EarRegion, ...], Field(min_length=1, max_length=8)] | None = Field(
+    ears: Literal["auto"] | EarBoxes | None = Field(
         None, description="`auto` finds both ears of a whole body; or their boxes. Layers are thinner there"
     )
-    canals: Annotated[tuple[MeshReference, ...], Field(max_length=8)] = Field(
-        (), description="Closed meshes of the ear canals' air, reaching out of the skin; they are cut out of it"
-    )
-    generate_canals: CanalShape | None = Field(
-        None, description="Cut a canal of this shape into each ear found; only with ears `auto` and without `canals`"
-    )
-    layers: Annotated[
-        tuple[Layer, ...],
-        Field(min_length=1, max_length=16, description="From outside inwards, so those outside the skin come first"),
-    ] = DEFAULT_LAYERS
-    ear_depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] = Field(
+    canals: Canals = ()
+    generate_canals: GeneratedCanals = None
+    layers: Layers = DEFAULT_LAYERS
+    ear_depths_mm: EarDepths = Field(
         THESIS_DEPTHS_MM, description="Layer name -> depth in the ears and in the walls of their canals; only with `ears`"
     )
-    blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
-    regions: Annotated[tuple[Region, ...], Field(max_length=32)] = Field((), description="Other boxes with their own depths")
-    thin_policy: Literal["adapt", "fail"] = Field(
-        "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
-    )
+    blend_mm: BlendMm = 5.0
+    regions: OtherRegions = ()
+    thin_policy: ThinPolicy = "adapt"
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between any two surfaces")
     skin_shift_mm: SkinShiftMm = 0.0
     tissues: Annotated[tuple[InnerTissue, ...], Field(max_length=48)] = Field(

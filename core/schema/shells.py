@@ -27,6 +27,11 @@ SkinShiftMm = Annotated[
         description="Furthest the skin may move outwards where the body is too thin for the layers inside; 0 leaves it alone",
     ),
 ]
+BlendMm = Annotated[float, Field(ge=0, le=100, description="Width over which the depth returns to the layer's own")]
+ThinPolicy = Annotated[
+    Literal["adapt", "fail"],
+    Field(description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"),
+]
 LayerName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,47}$", description="A letter, then letters, digits, _ and -")]
 Coordinates = tuple[float, float, float]
 RESERVED_NAMES = ("skin", "package", "report", "report_html")  # outputs of the process itself
@@ -72,24 +77,23 @@ class Region(FrozenModel):
     name: MeshName
     box_mm: Box
     depths_mm: Annotated[dict[LayerName, DepthMm], Field(min_length=1)] = Field(description="Layer name -> depth")
-    blend_mm: float = Field(5.0, ge=0, le=100, description="Width over which the depth returns to the layer's own")
+    blend_mm: BlendMm = 5.0
+
+
+Layers = Annotated[
+    tuple[Layer, ...],
+    Field(min_length=1, max_length=16, description="From outside inwards, so those outside the skin come first"),
+]
+DEFAULT_LAYERS = (Layer(name="fat", depth_mm=1.0), Layer(name="average_body", depth_mm=3.0))  # the thesis' full-body case
 
 
 class ShellsInputs(ConductivityInputs):
     """A skin and the layers wanted, from outside inwards. The defaults are the thesis' full-body case."""
 
     skin: MeshReference
-    layers: Annotated[
-        tuple[Layer, ...],
-        Field(min_length=1, max_length=16, description="From outside inwards, so those outside the skin come first"),
-    ] = (
-        Layer(name="fat", depth_mm=1.0),
-        Layer(name="average_body", depth_mm=3.0),
-    )
+    layers: Layers = DEFAULT_LAYERS
     regions: Annotated[tuple[Region, ...], Field(max_length=64)] = ()
-    thin_policy: Literal["adapt", "fail"] = Field(
-        "adapt", description="Where anatomy is thinner than a depth: `adapt` fades the depth smoothly, `fail` refuses the job"
-    )
+    thin_policy: ThinPolicy = "adapt"
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two shells")
     skin_shift_mm: SkinShiftMm = 0.0
 
