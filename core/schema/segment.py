@@ -37,6 +37,12 @@ class SegmentParameters(FrozenModel):
         description="`fill`: a surface is the outer border of its label, what the label encloses lies within it, as packages "
         "have it; `keep`: borders of cavities belong to the surface, too",
     )
+    inside: Annotated[dict[MeshName, MeshName], Field(max_length=64)] = Field(
+        {},
+        description="Surface -> the one that holds it most closely: the outer one is drawn around both, though their labels lie "
+        "side by side; where the inner one comes to its border it gives up a voxel. For shells as solvers want them: "
+        '`{"white_matter": "grey_matter", "grey_matter": "csf"}`',
+    )
     smoothing: int = Field(10, ge=0, le=100, description="Steps of Taubin smoothing, within 0.3 of a voxel; 0: none")
     faces_share: float = Field(
         0.33, gt=0, le=1, description="Share of the faces of the first surface, about 9 per voxel, that stays"
@@ -46,6 +52,24 @@ class SegmentParameters(FrozenModel):
     def includes_others(self) -> bool:
         """True if labels without a name become surfaces, too."""
         return self.others == "include" or (self.others == "auto" and not self.names)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.inside and self.cavities == "keep":
+            raise ValueError("inside does not go with cavities keep: a surface that holds others is its outer border")
+        for name in self.inside:
+            if name in self.holders_of(name):
+                raise ValueError(f"nothing can be inside itself: {' inside '.join((name, *self.holders_of(name)))}")
+        return self
+
+    def holders_of(self, name: str) -> tuple[str, ...]:
+        """All surfaces said to hold one, the closest first; the name itself comes last if it goes round in a circle."""
+        found: list[str] = []
+        holder = self.inside.get(name)
+        while holder is not None and holder not in found:
+            found.append(holder)
+            holder = self.inside.get(holder)
+        return tuple(found)
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -50,53 +50,83 @@ def number_tissues(labels: NDArray[np.uint16], names: Mapping[int, str]) -> tupl
 
 
 def find_regions(
-    numbers: NDArray[np.uint16], tissues: tuple[str, ...], islands: Islands, least_voxels: float, cavities: Cavities
+    numbers: NDArray[np.uint16],
+    tissues: tuple[str, ...],
+    islands: Islands,
+    least_voxels: float,
+    cavities: Cavities,
+    held: Mapping[str, tuple[str, ...]],
 ) -> tuple[LabelledRegion, ...]:
     """The tissues as regions; voxels of islands that go become 0 in `numbers`, which is changed.
 
-    Pieces hang together, and enclose, along the edges of the tetrahedral grid: then the surface of each has as many pieces.
+    held: tissue -> all that shall lie inside of it. Pieces hang together, and enclose, along the edges of the tetrahedral grid:
+    then the surface of each has as many pieces.
     """
-    boxes = [(slice(0, 1),) * 3 if box is None else box for box in find_objects(numbers, max_label=len(tissues))]
-    gone = [_drop_islands(numbers[box], number, islands, least_voxels) for number, box in enumerate(boxes, start=1)]
-    sealed = [0] * len(tissues)
+    families = [_family(name, tissues, held) for name in tissues]
+    boxes = _boxes(numbers, families)
+    outermost = sorted(range(len(tissues)), key=lambda place: (-len(families[place]), place))
+    gone, sealed = [(0, 0)] * len(tissues), [0] * len(tissues)
+    for place in outermost:
+        gone[place] = _drop_islands(numbers[boxes[place]], families[place], islands, least_voxels)
     if cavities == "fill":
-        sealed = [_seal(numbers[box], number) for number, box in enumerate(boxes, start=1)]
-        # a voxel that was given away may have been a bridge
-        again = [_drop_islands(numbers[box], number, islands, least_voxels) for number, box in enumerate(boxes, start=1)]
-        gone = [(a + c, b + d) for (a, b), (c, d) in zip(gone, again, strict=True)]
+        for place in outermost:
+            sealed[place] = _seal(numbers[boxes[place]], families[place])
+        for place in outermost:  # a voxel that was given away may have been a bridge
+            again = _drop_islands(numbers[boxes[place]], families[place], islands, least_voxels)
+            gone[place] = (gone[place][0] + again[0], gone[place][1] + again[1])
     regions = []
-    for number, (name, box, (dropped, count)) in enumerate(zip(tissues, boxes, gone, strict=True), start=1):
-        inside = np.pad(numbers[box] == number, PAD)
-        labelled = int(inside.sum())
-        low = np.array([side.start - PAD for side in box])
+    for place, (name, box) in enumerate(zip(tissues, boxes, strict=True)):
+        labelled = int((numbers[box] == place + 1).sum())
+        inside = np.pad(np.isin(numbers[box], families[place]), PAD)
         if cavities == "fill":
             inside = binary_fill_holes(inside, structure=NEIGHBOURS)
         if labelled:
+            low = np.array([side.start - PAD for side in box])
             filled = int(inside.sum()) - labelled
-            regions.append(LabelledRegion(name, low, inside, labelled, filled, dropped, count, sealed[number - 1]))
+            regions.append(LabelledRegion(name, low, inside, labelled, filled, *gone[place], sealed[place]))
     return tuple(regions)
 
 
-def _seal(part: NDArray[np.uint16], number: int) -> int:
-    """Give a tissue that encloses others at the sides of voxels, but not at their edges and corners, what it lacks of them.
+def _family(name: str, tissues: tuple[str, ...], held: Mapping[str, tuple[str, ...]]) -> tuple[int, ...]:
+    """Numbers of a tissue, first, and of all that shall lie inside of it."""
+    return tuple(tissues.index(each) + 1 for each in (name, *held.get(name, ())))
 
-    The voxels it encloses that touch the outside across an edge or corner become its own; their number. Without them what
-    lies inside a sheet of one voxel would reach through it on the tetrahedral grid.
+
+def _boxes(numbers: NDArray[np.uint16], families: Sequence[tuple[int, ...]]) -> list[tuple[slice, slice, slice]]:
+    """Around each family; one voxel for one that is not there."""
+    found = find_objects(numbers, max_label=len(families))
+    boxes = []
+    for family in families:
+        own = [found[number - 1] for number in family if found[number - 1] is not None]
+        sides = [
+            (min(box[axis].start for box in own), max(box[axis].stop for box in own)) if own else (0, 1) for axis in range(3)
+        ]
+        boxes.append((slice(*sides[0]), slice(*sides[1]), slice(*sides[2])))
+    return boxes
+
+
+def _seal(part: NDArray[np.uint16], family: tuple[int, ...]) -> int:
+    """Give a tissue, the first of its family, what it lacks to enclose the others, and what it encloses at the sides of voxels
+    but not at their edges and corners; how many voxels.
+
+    These are the voxels that touch the outside across a side, edge or corner: without them what lies inside a sheet of one voxel
+    would reach through it on the tetrahedral grid.
     """
-    inside = np.pad(part == number, 1)
-    filled = binary_fill_holes(inside)
-    if (filled == inside).all():
+    own = np.pad(part == family[0], 1)
+    together = np.pad(np.isin(part, family), 1)
+    filled = binary_fill_holes(together)
+    if (filled == own).all():
         return 0
-    lacking = filled & ~inside & binary_dilation(~filled, structure=NEIGHBOURS)
-    part[lacking[1:-1, 1:-1, 1:-1]] = number
+    lacking = filled & ~own & binary_dilation(~filled, structure=NEIGHBOURS)
+    part[lacking[1:-1, 1:-1, 1:-1]] = family[0]
     return int(lacking.sum())
 
 
-def _drop_islands(part: NDArray[np.uint16], number: int, islands: Islands, least_voxels: float) -> tuple[int, int]:
-    """Voxels and pieces that went from the part of the volume around one tissue."""
+def _drop_islands(part: NDArray[np.uint16], family: tuple[int, ...], islands: Islands, least_voxels: float) -> tuple[int, int]:
+    """Voxels and pieces that went from the part of the volume around a tissue and what lies inside of it."""
     if islands == "keep_all":
         return 0, 0
-    pieces, count = label(part == number, structure=NEIGHBOURS)
+    pieces, count = label(np.isin(part, family), structure=NEIGHBOURS)
     if count < 2 and islands == "keep_largest":
         return 0, 0
     sizes = np.bincount(pieces.ravel())

@@ -63,7 +63,8 @@ def segment(volume: LabelVolume, asked: SegmentParameters, min_gap_mm: float, ru
     stage = run.stage("segment: regions", 0.0, 0.1)
     numbers, tissues = number_tissues(volume.labels, names)
     least = asked.min_island_mm3 / volume.voxel_mm3()
-    regions = find_regions(numbers, tissues, asked.islands, least, asked.cavities)
+    held = _find_held(tissues, asked)
+    regions = find_regions(numbers, tissues, asked.islands, least, asked.cavities, held)
     if missing := sorted(set(tissues) - {region.name for region in regions}):
         raise InputError(
             "segment.nothing_left", f"no piece of {', '.join(missing)} has {asked.min_island_mm3:g} mm³", missing=len(missing)
@@ -105,6 +106,17 @@ def name_labels(volume: LabelVolume, asked: SegmentParameters) -> dict[int, str]
             most=MOST_SURFACES,
         )
     return names
+
+
+def _find_held(tissues: tuple[str, ...], asked: SegmentParameters) -> dict[str, tuple[str, ...]]:
+    """Surface -> all that shall lie inside of it. Raises: InputError `segment.unknown_surface`."""
+    if unknown := sorted({*asked.inside, *asked.inside.values()} - set(tissues)):
+        raise InputError(
+            "segment.unknown_surface",
+            f"inside names {', '.join(unknown)}; the surfaces are {', '.join(tissues)}",
+            unknown=len(unknown),
+        )
+    return {holder: tuple(name for name in tissues if holder in asked.holders_of(name)) for holder in asked.inside.values()}
 
 
 def _require_gap(volume: LabelVolume, min_gap_mm: float) -> None:

@@ -9,7 +9,7 @@ import pytest
 from core.geometry.exact_intersection import find_intersecting_faces
 from tests.acceptance.service import Service, unpack_shells
 from tests.core.io.nifti_bytes import nifti, packed, two_boxes
-from tests.core.segmentation.labelled_solids import centred, oblique, spheres
+from tests.core.segmentation.labelled_solids import centred, oblique, side_by_side, spheres
 
 AFFINE = centred(9.0, (1.2, 1.0, 1.4), oblique())
 NAMES = {"1": "skin", "2": "bone", "3": "white_matter"}
@@ -37,6 +37,15 @@ def test_labels_become_a_package_that_can_be_filled(service: Service, labels: st
     filled = service.execute("tetrahedralize", {"package": {"href": f"/v1/jobs/{job}/results/package"}})
     assert service.succeed(filled)["verdict"] == "simulation_ready"
     assert set(service.report(filled)["regions"]) == set(NAMES.values())
+
+
+def test_labels_that_lie_side_by_side_become_shells(service: Service) -> None:
+    volume = side_by_side()
+    href = service.upload_file(packed(nifti(volume.labels, volume.affine)), "ball.nii.gz", "mm")
+    asked = {"volume": {"href": href}, "inside": {"label_3": "label_2", "label_2": "label_1"}}
+    job = service.execute("segment", asked)
+    assert service.succeed(job)["verdict"] == "simulation_ready"
+    assert service.report(job)["nesting"] == {"label_1": None, "label_2": "label_1", "label_3": "label_2"}
 
 
 def test_a_volume_is_no_mesh_and_a_mesh_no_volume(service: Service, labels: str, skin: str) -> None:

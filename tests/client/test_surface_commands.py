@@ -216,11 +216,13 @@ def test_segment_sends_the_volume_and_names_of_labels(state: State, files: dict[
     volume = tmp_path / "head.nii.gz"
     volume.write_bytes(b"labels")
     names = ("--name", "2=white_matter", "--name", "41=white_matter")
-    inputs = sent(state, "segment", str(volume), *names, "--islands", "keep_above", "--min-island", "50", "--smoothing", "0")
-    assert set(inputs) == {"volume", "names", "islands", "min_island_mm3", "smoothing"}
+    inputs = sent(
+        state, "segment", str(volume), *names, "--islands", "keep_above", "--min-island", "50", "--inside", "white_matter=csf"
+    )
+    assert set(inputs) == {"volume", "names", "islands", "min_island_mm3", "inside"}
     assert inputs["names"] == {"2": "white_matter", "41": "white_matter"}
     assert inputs["volume"]["href"].startswith("/v1/meshes/")
-    assert (inputs["min_island_mm3"], inputs["smoothing"]) == (50.0, 0)
+    assert (inputs["min_island_mm3"], inputs["inside"]) == (50.0, {"white_matter": "csf"})
     for wrong in ("white=2", "2=", "2"):
         assert main(["segment", str(volume), "--name", wrong]) == 2
 

@@ -8,7 +8,7 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import read_label_names
+from integument.cli.layer_text import read_inside, read_label_names
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ConductivityOption, PackageOption, ReportOption
@@ -44,6 +44,10 @@ def segment(
         Literal["fill", "keep"] | None,
         typer.Option(help="A surface is the outer border of its label (fill, default), or all of it."),
     ] = None,
+    inside: Annotated[
+        list[str] | None,
+        typer.Option(metavar="INNER=OUTER", help="Draw the outer surface around the inner one, side by side or not; repeat."),
+    ] = None,
     smoothing: Annotated[int | None, typer.Option(metavar="N", help="Steps of Taubin smoothing; default 10, 0 for none.")] = None,
     faces_share: Annotated[
         float | None, typer.Option(metavar="SHARE", help="Share of the faces that stays; default 0.33.")
@@ -61,6 +65,7 @@ def segment(
         "islands": islands,
         "min_island_mm3": min_island,
         "cavities": cavities,
+        "inside": read_inside(inside or []) or None,
         "smoothing": smoothing,
         "faces_share": faces_share,
         "min_gap_mm": min_gap,

@@ -62,3 +62,13 @@ def from_ring(points: NDArray[np.float64], big: float, small: float) -> Distance
     around = np.hypot(points[..., 0], points[..., 1]) - big
     distance: Distances = np.hypot(around, points[..., 2]) - small
     return distance
+
+
+def side_by_side() -> LabelVolume:
+    """A ball of label 1 with a ball of label 2 in it that comes out of it, and a core of label 3 that comes out of that."""
+    affine = centred(12.0, (1, 1, 1))
+    centres = places((30, 30, 34), affine)
+    labels = np.where(np.linalg.norm(centres, axis=-1) <= 12.0, 1, 0)
+    labels[np.linalg.norm(centres - (5.5, 0, 0), axis=-1) <= 7.0] = 2
+    labels[np.linalg.norm(centres - (8.3, 0, 0), axis=-1) <= 4.0] = 3
+    return LabelVolume.of(labels.astype(np.uint16), affine)

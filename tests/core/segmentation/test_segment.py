@@ -14,7 +14,7 @@ from core.mesh import Mesh
 from core.schema.segment import SegmentParameters
 from core.segmentation.segment import segment
 from core.validation.validate import Validation, validate
-from tests.core.segmentation.labelled_solids import affine_of, centred, from_ring, oblique, places, ring, spheres
+from tests.core.segmentation.labelled_solids import affine_of, centred, from_ring, oblique, places, ring, side_by_side, spheres
 
 GAP = 0.1
 ALL = SegmentParameters()
@@ -92,6 +92,29 @@ def test_with_cavities_kept_a_shell_has_two_borders_and_both_tissues_give_way() 
     assert (shell.components, core.components) == (2, 1)
     lost = GAP / 2 * 4 * math.pi * 8.0**2
     assert core.volume_mm3 == pytest.approx(4 / 3 * math.pi * 8.0**3 - lost, rel=0.02)
+
+
+def test_labels_that_lie_side_by_side_are_nested_when_asked() -> None:
+    asked = SegmentParameters(inside={"label_3": "label_2", "label_2": "label_1"})
+    found = segment(side_by_side(), asked, GAP)
+    proof = validate({name: each.mesh for name, each in found.items()}, min_gap_mm=GAP)
+    assert proof.verdict == "simulation_ready", proof.findings
+    assert proof.nesting == {"label_1": None, "label_2": "label_1", "label_3": "label_2"}
+    assert [(mesh.genus, mesh.components) for mesh in proof.meshes.values()] == [(0, 1)] * 3
+    whole = float((side_by_side().labels > 0).sum())
+    assert proof.meshes["label_1"].volume_mm3 == pytest.approx(whole, rel=0.01)
+    assert found["label_1"].sealed > 0
+    without = validate({name: each.mesh for name, each in segment(side_by_side(), ALL, GAP).items()}, min_gap_mm=GAP)
+    assert set(without.nesting.values()) == {None}  # beside each other, as the voxels are
+
+
+def test_who_holds_whom_must_make_sense() -> None:
+    with pytest.raises(InputError) as refused:
+        segment(side_by_side(), SegmentParameters(inside={"brain": "label_1"}), GAP)
+    assert refused.value.code == "segment.unknown_surface"
+    for bad in ({"inside": {"a": "b", "b": "a"}}, {"inside": {"a": "b"}, "cavities": "keep"}):
+        with pytest.raises(ValueError, match="inside"):
+            SegmentParameters.model_validate(bad)
 
 
 def quarters() -> LabelVolume:
