@@ -20,6 +20,7 @@ from sandbox.kernel import (
     PR_SET_CHILD_SUBREAPER,
     PR_SET_NO_NEW_PRIVS,
     PR_SET_PDEATHSIG,
+    ask_for_turns,
     set_process_flag,
     unshare,
 )
@@ -37,6 +38,7 @@ CPU_GRACE_S = 5  # between SIGXCPU and SIGKILL
 MEMORY_RESERVE_BYTES = 64 * MIB  # address space kept back so that "out of memory" can still be said
 OOM_SCORE = "500"  # the kernel shall take the child first, never the worker
 NICENESS = 5  # a third of the share of others, not less: children of an overloaded host must get on, too
+SLICE_NS = 100_000_000  # the longest the kernel takes
 
 
 def tie_to(nursery_pid: int) -> None:
@@ -52,8 +54,12 @@ def tie_to(nursery_pid: int) -> None:
 
 
 def give_way() -> None:
-    """Whoever computes for minutes steps back behind those who answer: API, worker and databases."""
+    """Whoever computes for minutes steps back behind those who answer: API, worker and databases.
+
+    Long turns: whoever asks for shorter ones, as all others do, and wakes up takes the processor at once, not at the end of ours.
+    The share stays what it is."""
     os.nice(NICENESS)
+    ask_for_turns(SLICE_NS)
     with suppress(OSError):  # by sessions the kernel shares the processor out first, where it is built so; ours is one of its own
         Path("/proc/self/autogroup").write_text(str(NICENESS))
 

@@ -41,6 +41,7 @@ def describe_surroundings(payload: Payload, channel: Channel) -> Payload:
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "oom_score": int(Path("/proc/self/oom_score_adj").read_text()),
         "niceness": os.getpriority(os.PRIO_PROCESS, 0),
+        "scheduling": os.sched_getscheduler(0),
         "network": os.readlink("/proc/self/ns/net"),
     }
 

@@ -31,6 +31,7 @@ def test_a_child_has_nothing_it_does_not_need(limits: Limits, scratch: Path, mon
     assert seen["core"] == [0, 0]
     assert seen["oom_score"] == 500
     assert seen["niceness"] == min(19, os.nice(0) + 5), "those who answer come first"
+    assert seen["scheduling"] == os.SCHED_BATCH
 
 
 def test_a_child_has_a_network_of_its_own_where_the_kernel_allows_that(nursery: Nursery, limits: Limits, scratch: Path) -> None:
