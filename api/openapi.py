@@ -13,6 +13,7 @@ from pydantic.json_schema import models_json_schema
 from api.callback_description import describe_callbacks
 from api.dialect import to_common_dialect
 from api.needed_scope import needed_scope
+from api.openapi_links import add_links
 from api.problems import MEDIA_TYPE
 from api.responses import problems
 from core.schema.processes import PROCESSES
@@ -73,6 +74,7 @@ def build_openapi(app: FastAPI) -> dict[str, Any]:
             _rewrite(operation)
             if operation["operationId"] == EXECUTE:
                 operation["callbacks"] = describe_callbacks()
+    add_links(document)
     return document
 
 
