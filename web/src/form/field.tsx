@@ -3,6 +3,7 @@ import type { Bounds } from "../mesh/triangles";
 import { AutoRegionsInput } from "./auto_regions_input";
 import { ChosenNames } from "./chosen_names";
 import { HoldersInput } from "./holders_input";
+import { JsonInput } from "./json_input";
 import { LayersTable } from "./layers_table";
 import { NamesInput } from "./names_input";
 import { NumberInput } from "./number_input";
@@ -21,6 +22,7 @@ import { RegionsInput } from "./regions_input";
 import { type Kind, kindOf, labelOf, regionSchema, type UploadKind } from "./schema_kind";
 import { TissuesTable } from "./tissues_table";
 import { asLayers, asNumbers, asRegions, asTissues, LARGEST_DEPTH_MM, type Reference, type Region } from "./values";
+import { WordsInput } from "./words_input";
 
 /** What controls may need to know besides their own value. */
 export interface FormContext {
@@ -259,36 +261,11 @@ function Control({
         />
       );
     case "words":
-      return (
-        <input
-          id={id}
-          class="wide"
-          value={((value ?? []) as string[]).join(", ")}
-          placeholder="separated by commas"
-          onChange={(event) => onValue(wordsOf(event.currentTarget.value))}
-        />
-      );
+      return <WordsInput id={id} words={(value ?? []) as string[]} onWords={onValue} />;
     case "group":
       return <Group schema={schema} required={required} value={value} context={context} onValue={onValue} />;
     case "json":
-      return (
-        <textarea
-          id={id}
-          rows={3}
-          defaultValue={value === undefined ? "" : JSON.stringify(value)}
-          placeholder={JSON.stringify(fallback)}
-          onChange={(event) => {
-            const text = event.currentTarget.value.trim();
-            try {
-              onValue(text ? JSON.parse(text) : undefined);
-              event.currentTarget.setCustomValidity("");
-            } catch {
-              event.currentTarget.setCustomValidity("This is no JSON.");
-              event.currentTarget.reportValidity();
-            }
-          }}
-        />
-      );
+      return <JsonInput id={id} value={value} fallback={fallback} onValue={onValue} />;
   }
 }
 
@@ -303,12 +280,6 @@ function sayHint(description: string): string {
     .replaceAll("`", "")
     .replace(/ Keys match \S+$/, "")
     .replace(/\bnull\b/g, "left out");
-}
-
-/** Words between commas; nothing if there is none. */
-function wordsOf(typed: string): string[] | undefined {
-  const words = typed.split(",").flatMap((word) => word.trim() || []);
-  return words.length > 0 ? words : undefined;
 }
 
 /** An object with fields of its own; one that may be left out has a switch. */

@@ -18,7 +18,7 @@ function treeOf(shell: Shell, makeTree: TreeMaker | undefined): MeshBVH | null {
     const made = makeTree(shell.surface.mesh).then((told) => {
       trees.set(geometry, MeshBVH.deserialize(told, geometry, { setIndex: false }));
     });
-    made.catch(() => trees.delete(geometry)); // asked again when the pointer moves
+    made.catch(() => {}); // what has no tree is not looked under; asking again would fail again
     trees.set(geometry, made);
     return null;
   }
