@@ -63,8 +63,8 @@ _NEEDS: Mapping[str, _Need] = {
     "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=160e-6),  # of gmsh, the slower mesher
     "detach": _Need(400, 900, s=12.0, s_per_face=30e-6),
     "separate": _Need(400, 850, s=3.0, s_per_face=130e-6),
-    "segment": _Need(400, 800, s=3.0, s_per_face=60e-6),
-    "fields": _Need(400, 900, s=2.0, s_per_face=20e-6),
+    "segment": _Need(400, 450, s=3.0, s_per_face=170e-6),
+    "fields": _Need(270, 900, s=1.5, s_per_face=7e-6),
     "smooth": _Need(400, 850, s=1.5, s_per_face=45e-6),
 }
 DEFAULT_ITERATIONS = 20
