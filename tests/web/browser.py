@@ -30,6 +30,7 @@ for (const [name, kind] of Object.entries(kinds)) {
     return real.apply(this, given);
   };
 }
+undefined; // a function as the last value would be called
 """
 DESK, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
@@ -65,6 +66,15 @@ class Visit:
         """Returns when the 3D view shows something."""
         self.page.wait_for_selector('.viewer[data-ready="true"]', timeout=PATIENCE_MS)
         self.page.wait_for_timeout(800)  # a few frames of the software renderer
+
+    def comes_to_rest(self) -> bool:
+        """Whether views stop drawing, after what they were asked to; COUNT_CALLS runs."""
+        for _ in range(20):
+            self.page.evaluate("calls.draws = 0")
+            self.page.wait_for_timeout(500)
+            if self.page.evaluate("calls.draws") == 0:
+                return True
+        return False
 
     def barriers(self) -> list[str]:
         """What axe finds serious or critical."""

@@ -73,9 +73,7 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
             page.keyboard.press("ArrowRight")
         seen.drawn()
         assert page.evaluate("[calls.draws > 0, calls.buffers]") == [True, 0]
-        page.evaluate("calls.draws = 0")
-        page.wait_for_timeout(500)
-        assert page.evaluate("calls.draws") == 0
+        assert seen.comes_to_rest()
         page.get_by_label("Colours", exact=True).select_option("Distance to skin")
         page.get_by_label("Show skin").uncheck()
         expect(page.get_by_role("img", name=re.compile("^Distance to skin from"))).to_be_visible()
