@@ -37,7 +37,7 @@ def detach(
         typer.Option(metavar="SHARE", help="A contact is at most this share as deep as the thinner part; default 0.8."),
     ] = None,
     max_contact: Annotated[
-        float | None, typer.Option(metavar="CM2", help="Largest contact that is opened; default 100 cm².")
+        float | None, typer.Option(metavar="CM2", help="Largest contact that is opened; default 250 cm².")
     ] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Where to put the skin, an STL.")] = None,
     report: ReportOption = None,
