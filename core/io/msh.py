@@ -51,8 +51,9 @@ def read_msh(path: Path, unit: Unit) -> tuple[FieldMesh, tuple[Finding, ...]]:
     """
     if not path.stat().st_size:  # nothing cannot be mapped
         raise truncated("it is empty")
-    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
-        nodes, elements, rows = _read_sections(MshCursor(data))
+    with path.open("rb") as file:
+        data = mmap(file.fileno(), 0, access=ACCESS_READ)  # not closed by hand: an error on its way out may hold a view of it
+    nodes, elements, rows = _read_sections(MshCursor(data))
     ids, places = nodes
     order, ids = _sorted(ids, "node")
     places = _require_places(places[order], unit)
