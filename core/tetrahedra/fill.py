@@ -16,14 +16,12 @@ from core.tetrahedra.gmsh import run_gmsh
 from core.tetrahedra.prove_filled import prove_filled
 from core.tetrahedra.regions import spread_regions
 from core.tetrahedra.spaces import find_pieces, find_spaces
-from core.tetrahedra.tetgen import Facets, run_tetgen
+from core.tetrahedra.tetgen import Facets
+from core.tetrahedra.tetgen_ways import fill_facets
 from core.tetrahedra.volume_mesh import VolumeMesh
 
 Mesher = Literal["tetgen", "gmsh"]
 FIRST_REGION = 1  # TetGen takes 0 for none
-# How nearly in one plane faces must lie to be one facet to TetGen, in the order tried. Its own 1e-8 takes faces together that are
-# bent by what float32 can tell, loses the edge between them, and can only put a vertex on the surface; no one number suits all.
-COPLANAR = (1e-12, 1e-8, 1e-16)
 
 
 def fill(
@@ -84,19 +82,9 @@ def _by_tetgen(
     first_vertex = np.cumsum([0, *(len(mesh.vertices) for mesh in surfaces.values())])
     faces = np.vstack([mesh.faces + np.int32(start) for mesh, start in zip(surfaces.values(), first_vertex, strict=False)])
     switches = f"pYY{'' if radius_edge is None else f'q{radius_edge:g}'}{'a' if limits else ''}AQ"
-    made = _fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches)
+    made = fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches)
     number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - np.int32(FIRST_REGION)
     return Filling(made.nodes, made.tetrahedra, number)
-
-
-def _fill_facets(facets: Facets, switches: str) -> Filling:
-    """By the first tolerance with which TetGen adds no vertex on a surface: YY ends it if it would have to."""
-    for tolerance in COPLANAR[:-1]:
-        try:
-            return run_tetgen(facets, f"{switches}T{tolerance:g}")
-        except InputError:
-            continue
-    return run_tetgen(facets, f"{switches}T{COPLANAR[-1]:g}")
 
 
 def _region_points(

@@ -14,6 +14,7 @@ from core.tetrahedra.element_quality import quality, volumes
 from core.tetrahedra.fill import fill
 from core.tetrahedra.prove_filled import expected_volumes, prove_filled
 from core.tetrahedra.regions import spread_regions
+from core.tetrahedra.tetgen_ways import Way
 from tests.solids import cube, flipped, sphere, together
 
 SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.0, 1)}
@@ -156,10 +157,20 @@ def mesh_volume(mesh: Mesh) -> float:
     return expected_volumes({"one": mesh}, {"one": None})["one"]
 
 
-def test_what_one_tolerance_refuses_the_next_one_fills(monkeypatch):
-    monkeypatch.setattr("core.tetrahedra.fill.COPLANAR", (0.5,))
+def test_what_one_way_refuses_the_next_one_fills(monkeypatch):
+    monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5),))
     with pytest.raises(InputError) as error:
         fill(SURFACES, NESTING, gap_mm=0.5)  # whole spheres are flat to it
     assert error.value.code == "tetrahedra.refused"
-    monkeypatch.setattr("core.tetrahedra.fill.COPLANAR", (0.5, 1e-12))
+    monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5), Way(1e-12)))
     assert np.unique(fill(SURFACES, NESTING, gap_mm=0.5).region).tolist() == [0, 1, 2]
+
+
+def test_what_was_turned_comes_back_where_it_was(monkeypatch, filled):
+    monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(1e-12, 7.0),))
+    turned = fill(SURFACES, NESTING, gap_mm=0.5, radius_edge=1.2)
+    given = np.vstack([mesh.vertices for mesh in SURFACES.values()])
+    np.testing.assert_array_equal(turned.vertices[: len(given)], given)
+    assert len(turned.vertices) > len(given), "and those it adds, too: the proof of the volumes has passed"
+    found = [np.bincount(each.region, weights=volumes(each.corners())) for each in (turned, filled)]
+    np.testing.assert_allclose(*found, rtol=1e-9)
