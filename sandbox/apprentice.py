@@ -8,15 +8,13 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from pathlib import Path
 
+from sandbox.confinement import give_way
 from sandbox.kernel import PR_SET_PDEATHSIG, set_process_flag
 from sandbox.spare import FIRST_FD, forget_signals
 
 logger = logging.getLogger("sandbox.nursery")
 
-LAST_IN_LINE = 19  # niceness: only what nobody else wants of the processor
 Step = Callable[[], object]
 
 
@@ -35,9 +33,7 @@ def fork_apprentice(steps: Sequence[Step]) -> int:
         os.setsid()
         set_process_flag(PR_SET_PDEATHSIG, signal.SIGKILL)
         os.closerange(FIRST_FD, os.sysconf("SC_OPEN_MAX"))
-        os.nice(LAST_IN_LINE)
-        with suppress(OSError):  # where the kernel shares by sessions
-            Path("/proc/self/autogroup").write_text(str(LAST_IN_LINE))
+        give_way()  # as a job does, not more: on a busy host it would never be done, and each job compile for itself
         if os.getppid() == nursery_pid:
             for step in steps:
                 _do(step)

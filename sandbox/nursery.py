@@ -35,7 +35,6 @@ PASSED_VARIABLES = (
     *("HOME", "TMPDIR", "XDG_CACHE_HOME", "MPLCONFIGDIR", "NUMBA_CACHE_DIR"),
     *("LANG", "LC_ALL", "LC_CTYPE", "TZ", LOG_FORMAT),
 )
-HUGE_PAGES = "glibc.malloc.hugetlb=1"  # a child asks the kernel for much fresh memory, 2 MiB at a time where that is allowed
 STOP_PATIENCE_S = 10.0
 
 
@@ -178,7 +177,6 @@ class Nursery:
         """Only what it needs: whatever is here, every child can read."""
         environment = {name: os.environ[name] for name in PASSED_VARIABLES if name in os.environ}
         environment |= dict.fromkeys(THREAD_VARIABLES, str(self._threads))
-        environment["GLIBC_TUNABLES"] = HUGE_PAGES
         environment["PYTHONPATH"] = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         return environment
 
