@@ -25,6 +25,8 @@ import type { Axis, Clip, Marker, Point, Probe, RegionBox, Surface } from "./sur
 
 const MARKER_COLOURS = { error: "#d0342c", warning: "#d99400", info: "#2d7dd2" };
 
+const DEPTH = 1.5; // radii around the middle that are drawn: boxes may stick out
+const NEAREST = 0.001; // of the radius
 const REST_MS = 180; // after the last movement
 const MARKER_SHARE = 0.005; // of the distance to the camera
 
@@ -161,9 +163,6 @@ export class Viewer {
     const distance = (0.98 * this.radius) / Math.sin(Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect)));
     this.controls.target.copy(this.centre);
     this.camera.position.copy(this.centre).addScaledVector(new Vector3(...direction).normalize(), distance);
-    this.camera.near = distance / 200;
-    this.camera.far = distance * 10;
-    this.camera.updateProjectionMatrix();
     this.controls.update();
     this.draw();
   }
@@ -281,6 +280,7 @@ export class Viewer {
 
   private readonly render = (): void => {
     this.frame = 0;
+    this.fitDepth();
     this.boxes.scaleTo(this.camera);
     for (const ball of this.markers.children) {
       ball.scale.setScalar(MARKER_SHARE * ball.position.distanceTo(this.camera.position));
@@ -297,6 +297,14 @@ export class Viewer {
   private lookAgain(): void {
     this.pointer = this.hovering;
     if (this.pointer) this.draw();
+  }
+
+  /** As little depth as holds all of it: surfaces half a millimetre apart must not flicker through each other. */
+  private fitDepth(): void {
+    const away = this.camera.position.distanceTo(this.centre);
+    this.camera.near = Math.max(away - DEPTH * this.radius, NEAREST * this.radius);
+    this.camera.far = away + DEPTH * this.radius;
+    this.camera.updateProjectionMatrix();
   }
 
   private placeOf(event: PointerEvent): Vector2 {
