@@ -28,7 +28,7 @@ export function uploadChoices(meshes: readonly MeshInfo[], kind: UploadKind): Ch
 
 export function packageChoices(jobs: readonly Job[]): Choice[] {
   return jobs
-    .filter((job) => !["validate", "graft", "detach"].includes(job.processID))
+    .filter((job) => !["validate", "graft", "detach", "fields"].includes(job.processID))
     .map((job) => ({
       href: `/v1/jobs/${job.jobID}/results/package`,
       title: `${job.processID}, ${new Date(job.created).toLocaleString("en-GB")}: ${job.summary ?? ""}`,
