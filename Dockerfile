@@ -43,7 +43,8 @@ RUN --mount=type=cache,target=/uv-cache \
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Integument" \
       org.opencontainers.image.licenses="AGPL-3.0-or-later"
-# what gmsh, one of the two meshers, is linked with
+# What gmsh, one of the two meshers, is linked with. Debian keeps one version of each per release, so a pin would only break the build:
+# hadolint ignore=DL3008
 RUN apt-get update --quiet \
     && apt-get install --yes --quiet --no-install-recommends \
         libfontconfig1 libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1 \
