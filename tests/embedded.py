@@ -58,6 +58,12 @@ class Embedded:
         supervisor = psutil.Process(self.process.pid)
         return [supervisor, *supervisor.children(recursive=True)]
 
+    def child_at_work(self, job: str) -> psutil.Process:
+        """What does the work of a job: neither the worker that watches it, nor a child that waits for the next job."""
+        children = (child for nursery in self.part("worker").children() for child in nursery.children())
+        (found,) = (child for child in children if Path(child.cwd()).name.startswith(f"{job}."))
+        return found
+
     def part(self, name: str, *, other_than: int = 0) -> psutil.Process:
         """The process of `api`, `worker` or `valkey`; waits for it while it is being started again."""
         assert self.process is not None

@@ -14,10 +14,7 @@ LIMIT_S = 120.0
 def kill_child(server: Embedded, service: Service, job: str, attempt: int) -> None:
     """Wait until this attempt of the job works, and kill what does the work."""
     service.wait(job, lambda status: status["status"] == "running" and status["attempt"] == attempt and status["progress"] >= 5)
-    nurseries = server.part("worker").children()
-    children = [child for nursery in nurseries for child in nursery.children()]
-    assert len(children) == 1
-    children[0].kill()
+    server.child_at_work(job).kill()
 
 
 def test_killed_child_costs_one_attempt_and_no_other_job(server: Embedded, service: Service, skin: str) -> None:

@@ -62,13 +62,6 @@ def wait_for_progress(service: Service, job: str, percent: float, attempt: int, 
     service.wait(job, lambda status: status["attempt"] == attempt and status["progress"] >= percent, limit_s=limit_s)
 
 
-def kill_child(server: Embedded) -> None:
-    """What does the work, not the worker that watches it."""
-    children = [child for nursery in server.part("worker").children() for child in nursery.children()]
-    assert len(children) == 1
-    children[0].kill()
-
-
 def kill_worker(server: Embedded) -> None:
     """With all below it."""
     worker = server.part("worker")
@@ -96,7 +89,7 @@ def kill_twice(server: Embedded, service: Service, job: str, limit_s: float = LI
 
     limit_s: for each of the three."""
     wait_for_progress(service, job, 30, 1, limit_s)
-    kill_child(server)
+    server.child_at_work(job).kill()
     wait_for_progress(service, job, 59, 2, limit_s)
     kill_worker(server)
     ended = service.succeed(job, limit_s=limit_s)
