@@ -83,6 +83,11 @@ class Workshop:
             ["bash", "page.sh"], cwd=folder, env=self._environment(folder), capture_output=True, text=True, timeout=PAGE_S
         )
 
+    def uploaded(self, name: str) -> dict[str, str]:
+        """A link to one of the files."""
+        with Client(self.url) as client:
+            return {"href": client.upload_mesh(self.files[f"{name}.stl"], unit="mm", name=name).href}
+
     def filled(self, text: str, mesh: str | None = None) -> str:
         """Addresses and ids that a reader has to put in; `mesh` for the upload's, without it that of the skin."""
         for address in ADDRESSES:
@@ -121,7 +126,11 @@ def write_donor(client: Client, skin: str, path: Path) -> None:
 
 def as_inputs(block: Block, workshop: Workshop) -> dict[str, object]:
     """The inputs object a JSON block of a process page sends, bare or as a whole request."""
-    of_labels = Path(block.page).stem == "segment"
-    document = json.loads(workshop.filled(block.text, workshop.volume if of_labels else None))
+    process = Path(block.page).stem
+    document = json.loads(workshop.filled(block.text, workshop.volume if process == "segment" else None))
     inputs: dict[str, object] = document.get("inputs", document)
+    if process == "detach" and "arms_down.stl" in workshop.files:
+        inputs["skin"] = workshop.uploaded("arms_down")
+    if process == "separate":
+        inputs["meshes"] = {name: workshop.uploaded(name) for name in ("skull", "grey", "white")}
     return inputs
