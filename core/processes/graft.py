@@ -117,8 +117,8 @@ def _summary(made: Graft) -> str:
     widest = max(seam.widest_mm for seam in made.seams)
     return (
         f"{made.donor_faces} faces of the donor set into {made.base_faces} of the base along {counted(len(made.seams), 'seam')} "
-        f"of {made.band_faces} new faces; at the seams the surfaces are up to {made.apart_mm:.3g} mm apart, the widest gap between "
-        f"their rims is {widest:.3g} mm."
+        f"of {made.band_faces} new faces; at the seams the surfaces are up to {made.apart_mm:.3g} mm apart, the widest gap "
+        f"between their rims is {widest:.3g} mm."
     )
 
 

@@ -18,7 +18,9 @@ def check_orientation(surface: Surface) -> list[Finding]:
         return []
     turned = find_faces_to_flip(surface.edges)
     remedy = (
-        "the surface is one-sided and cannot be oriented" if turned is None else f"flipping {counted(len(turned), 'face')} would mend it"
+        "the surface is one-sided and cannot be oriented"
+        if turned is None
+        else f"flipping {counted(len(turned), 'face')} would mend it"
     )
     message = f"{surface.name} is not oriented consistently: at {len(edge)} edges the two faces look opposite ways; {remedy}"
     faces = surface.face_number[pairs].tolist()
