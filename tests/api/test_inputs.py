@@ -19,4 +19,10 @@ def test_a_null_that_is_not_the_default_is_kept(api: Live, mesh_href: str) -> No
     sent = {"mesh": {"href": mesh_href}, "radius_edge": None}
     job = api.execute("tetrahedralize", sent).json()["jobID"]
     asked = api.client.get(f"/v1/jobs/{job}/inputs").json()["inputs"]
-    assert asked == {"mesh": {"href": mesh_href}, "mesher": "tetgen", "radius_edge": None, "max_volume_mm3": {}, "min_gap_mm": 0.05}
+    assert asked == {
+        "mesh": {"href": mesh_href},
+        "mesher": "tetgen",
+        "radius_edge": None,
+        "max_volume_mm3": {},
+        "min_gap_mm": 0.05,
+    }
