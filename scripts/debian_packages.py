@@ -1,4 +1,4 @@
-"""What the tests need of Debian: a Chromium for the web page, X libraries for gmsh (the server's, too), programs that the docs' code blocks use.
+"""What is needed of Debian: Chromium for the web page, X libraries for gmsh (the server's, too), programs of the docs' examples.
 
 What is missing is installed as root.
 """

@@ -28,9 +28,9 @@ from core.validation.validate import Validation
 
 METHODS = (
     "The space between the surfaces was filled with tetrahedra by {mesher} [3]{shape}, without a vertex added on a surface. It "
-    "was checked that every face of every surface is a face of tetrahedra with its tissue inside and the tissue around it outside, "
-    "that tetrahedra meet face to face, that none is flat or inverted, and that those of each tissue add up to the volume "
-    "between its surface and those inside."
+    "was checked that every face of every surface is a face of tetrahedra with its tissue inside and the tissue around it "
+    "outside, that tetrahedra meet face to face, that none is flat or inverted, and that those of each tissue add up to the "
+    "volume between its surface and those inside."
 )
 TETGEN_REFERENCE = (
     "[3] H. Si, TetGen, a Delaunay-based quality tetrahedral mesh generator, ACM Transactions on Mathematical Software 41, 2015, "
