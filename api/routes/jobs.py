@@ -85,7 +85,9 @@ async def get_job(
 ) -> StatusInfo:
     """How a job stands. With `Prefer: wait=N` the answer comes when its status changes, or after N seconds."""
     recent = services.recent_jobs
-    job = recent.get_at_once(workspace, job_id) or await run_in_threadpool(recent.get, workspace, job_id)
+    job = recent.get_at_once(workspace, job_id)
+    if job is None:
+        job = await run_in_threadpool(recent.get, workspace, job_id)
     if not job.status.is_finished:
         job = await wait_until(services, job, preferences.wait_s, has_left(job.status))
     response.headers.update(preferences.applied())
