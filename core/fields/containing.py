@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.geometry.chunks import in_chunks
 from core.geometry.distance import STACK
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, faces_of_leaf, push_children
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,11 +63,9 @@ def _find_containing(boxes: Floats, leaves: int, corners: Floats, points: Floats
             if not _in_box(boxes, node, points, i):
                 continue
             if node < leaves - 1:
-                stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                top += 2
+                top = push_children(stack, top, node)
                 continue
-            leaf = node - leaves + 1
-            for candidate in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for candidate in range(*faces_of_leaf(node, leaves, count)):
                 least = _weigh(corners, candidate, points, i, trial)
                 if least > deepest:
                     deepest, found[i] = least, candidate

@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from core.geometry.chunks import in_chunks
-from core.geometry.face_tree import FaceTree, fit_boxes, fit_leaf, fit_parent
+from core.geometry.face_tree import FaceTree, faces_of_leaf, fit_boxes, fit_leaf, fit_parent, push_children
 from core.geometry.triangle_distance import between_sides, closest_on_triangle, nearer
 from core.mesh import Faces, Vertices
 
@@ -150,11 +150,9 @@ def _mark_near(
             if _apart(box, boxes, node):
                 continue
             if node < leaves - 1:
-                stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                top += 2
+                top = push_children(stack, top, node)
                 continue
-            leaf = node - leaves + 1
-            for other in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for other in range(*faces_of_leaf(node, leaves, count)):
                 if _outside(box, others, other):
                     continue
                 if nearer(corners, face, others, other, limit, heights, point) < limit:
@@ -186,11 +184,9 @@ def _mark_own(
             if _apart(box, boxes, node):
                 continue
             if node < leaves - 1:
-                stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                top += 2
+                top = push_children(stack, top, node)
                 continue
-            leaf = node - leaves + 1
-            for other in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for other in range(*faces_of_leaf(node, leaves, count)):
                 # a pair of two asked faces is met from both sides; once is enough
                 if other == face or (wanted[other] and other < face) or _outside(box, corners, other):
                     continue

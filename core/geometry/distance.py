@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.geometry.chunks import in_chunks
 from core.geometry.disc_bounds import between_discs, disc_bounds
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, faces_of_leaf
 from core.geometry.triangle_distance import closest_on_triangle, nearer
 from core.mesh import Faces, Mesh, Vertices
 
@@ -98,8 +98,7 @@ def _find_closest(
                 continue
             node = stack[top]
             if node >= leaves - 1:
-                leaf = node - leaves + 1
-                for candidate in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+                for candidate in range(*faces_of_leaf(node, leaves, count)):
                     found, cx, cy, cz = closest_on_triangle(px, py, pz, corners, candidate)
                     if found < best:
                         best, x, y, z, last = found, cx, cy, cz, candidate
@@ -164,9 +163,8 @@ def _find_gap(
         a, b = stack_a[top], stack_b[top]
         inner_a, inner_b = a < leaves_a - 1, b < leaves_b - 1
         if not inner_a and not inner_b:
-            leaf_a, leaf_b = a - leaves_a + 1, b - leaves_b + 1
-            for face_a in range(leaf_a * count_a // leaves_a, (leaf_a + 1) * count_a // leaves_a):
-                for face_b in range(leaf_b * count_b // leaves_b, (leaf_b + 1) * count_b // leaves_b):
+            for face_a in range(*faces_of_leaf(a, leaves_a, count_a)):
+                for face_b in range(*faces_of_leaf(b, leaves_b, count_b)):
                     nearest = nearer(corners_a, face_a, corners_b, face_b, best, heights, point)
                     if nearest < best:
                         best = nearest

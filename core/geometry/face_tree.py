@@ -99,12 +99,26 @@ def fit_boxes(corners: NDArray[np.float64], leaves: int, boxes: NDArray[np.float
 
 
 @njit(cache=True, nogil=True)
+def push_children(stack: NDArray[np.int64], top: int, node: int) -> int:
+    """Put both children of an inner node onto the stack of nodes still to be looked at; its new height."""
+    stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
+    return top + 2
+
+
+@njit(cache=True, nogil=True)
+def faces_of_leaf(node: int, leaves: int, count: int) -> tuple[int, int]:
+    """The first face in tree order that the leaf `node` holds of `count`, and the one after its last."""
+    leaf = node - leaves + 1
+    return leaf * count // leaves, (leaf + 1) * count // leaves
+
+
+@njit(cache=True, nogil=True)
 def fit_leaf(corners: NDArray[np.float64], leaves: int, leaf: int, boxes: NDArray[np.float64]) -> None:
     """Box of a leaf around its faces."""
     count = len(corners)
     for axis in range(3):
         low, high = np.inf, -np.inf
-        for place in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+        for place in range(*faces_of_leaf(leaves - 1 + leaf, leaves, count)):
             for corner in range(3):
                 low, high = min(low, corners[place, corner, axis]), max(high, corners[place, corner, axis])
         boxes[leaves - 1 + leaf, axis], boxes[leaves - 1 + leaf, axis + 3] = low, high

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from core.geometry.exact_intersection import find_intersecting_faces
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, faces_of_leaf, push_children
 from core.mesh import Faces, Vertices
 
 Ints = NDArray[np.int64]
@@ -60,11 +60,9 @@ def _mark(boxes: Floats, corners: Floats, leaves: int, asked: Floats, found: NDA
             if apart:
                 continue
             if node < leaves - 1:
-                stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                top += 2
+                top = push_children(stack, top, node)
                 continue
-            leaf = node - leaves + 1
-            for face in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for face in range(*faces_of_leaf(node, leaves, count)):
                 met = True
                 for axis in range(3):
                     a, b, c = corners[face, 0, axis], corners[face, 1, axis], corners[face, 2, axis]

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, faces_of_leaf, push_children
 from core.geometry.triangle_distance import nearer
 
 Floats = NDArray[np.float64]
@@ -72,11 +72,9 @@ def _measure(
             if high[0] < boxes[node, 0] or high[1] < boxes[node, 1] or high[2] < boxes[node, 2]:
                 continue
             if node < leaves - 1:
-                stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                top += 2
+                top = push_children(stack, top, node)
                 continue
-            leaf = node - leaves + 1
-            for other in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+            for other in range(*faces_of_leaf(node, leaves, count)):
                 most = max(squared[face], squared_other[other])
                 if most == 0.0:
                     continue

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from core.geometry.face_tree import FaceTree
+from core.geometry.face_tree import FaceTree, faces_of_leaf, push_children
 from core.geometry.normals import face_normals
 from core.geometry.triangle_distance import closest_on_triangle
 from core.mesh import Faces, Vertices
@@ -91,11 +91,9 @@ def _shrink(
                 if dx * dx + dy * dy + dz * dz >= best:
                     continue
                 if node < leaves - 1:
-                    stack[top], stack[top + 1] = 2 * node + 1, 2 * node + 2
-                    top += 2
+                    top = push_children(stack, top, node)
                     continue
-                leaf = node - leaves + 1
-                for face in range(leaf * count // leaves, (leaf + 1) * count // leaves):
+                for face in range(*faces_of_leaf(node, leaves, count)):
                     if facing[face, 0] * nx + facing[face, 1] * ny + facing[face, 2] * nz >= FACING:
                         continue
                     squared, x, y, z = closest_on_triangle(cx, cy, cz, corners, face)
