@@ -14,6 +14,7 @@ from core.reports.scene.scene import Scene
 from core.reports.scene.viewer import report_viewer
 from core.reports.template import template
 from core.reports.tissue_rows import nesting_lines, tissue_rows
+from core.reports.wording import verdict_words
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
 from core.schema.report import Report, StepReport
@@ -32,10 +33,12 @@ def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None =
         _step_section(step, [embedded[figure.name] for figure in figures if figure.step == step.name]) for step in report.steps
     ]
     counts = {severity: sum(finding.severity is severity for finding in report.findings) for severity in Severity}
+    ready = report.verdict == "simulation_ready"
     return template("report.html.j2").render(
         report=report,
         title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
-        ready=report.verdict == "simulation_ready",
+        ready=ready,
+        verdict=verdict_words(report.process, ready),
         rows=tissue_rows(report),
         names={*report.meshes, *(place.mesh for finding in report.findings for place in finding.places)},
         nesting=nesting_lines(report),

@@ -32,6 +32,15 @@ _OUTCOMES: dict[StepOutcome, str] = {
 }
 
 
+_VERDICTS = {"fields": ("Every triangle has a value", "Triangles without a value")}  # of processes that make no surfaces
+
+
+def verdict_words(process: str, ready: bool) -> str:
+    """The verdict as the first line of a report: `Simulation ready`."""
+    good, bad = _VERDICTS.get(process, ("Simulation ready", "Not ready"))
+    return good if ready else bad
+
+
 def whole(value: int | None) -> str:
     """`107 024`."""
     return NOT_KNOWN if value is None else f"{value:,}".replace(",", THIN_SPACE)

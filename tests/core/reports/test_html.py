@@ -213,6 +213,15 @@ def test_a_report_that_knows_next_to_nothing_renders(verdict):
     assert "None: every check passed" in page.text
 
 
+@pytest.mark.parametrize(
+    ("verdict", "words"), [("simulation_ready", "Every triangle has a value"), ("not_ready", "Triangles without a value")]
+)
+def test_a_map_of_a_field_is_not_called_simulation_ready(verdict, words):
+    page = assert_self_contained(render_html(Report(process="fields", verdict=verdict, summary="One surface."), []))
+    assert words in page.text
+    assert "simulation ready" not in page.text[: page.text.index("One surface.")].lower()
+
+
 def test_errors_come_before_warnings_and_links_hit_them():
     findings = tuple(
         Finding(code="mesh.odd", severity=severity, message=f"{severity.value} message", count=1)
