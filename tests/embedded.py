@@ -16,6 +16,7 @@ from pathlib import Path
 import psutil
 
 from server.tether import tie_to_parent
+from tests.children import children_at_work
 
 START_S = 90.0
 STOP_S = 60.0
@@ -60,9 +61,12 @@ class Embedded:
 
     def child_at_work(self, job: str) -> psutil.Process:
         """What does the work of a job: neither the worker that watches it, nor a child that waits for the next job."""
-        children = (child for nursery in self.part("worker").children() for child in nursery.children())
-        (found,) = (child for child in children if Path(child.cwd()).name.startswith(f"{job}."))
+        (found,) = (child for folder, child in self.children_at_work().items() if folder.startswith(f"{job}."))
         return found
+
+    def children_at_work(self) -> dict[str, psutil.Process]:
+        """Of all jobs, by the names of their folders."""
+        return children_at_work(self.part("worker"))
 
     def part(self, name: str, *, other_than: int = 0) -> psutil.Process:
         """The process of `api`, `worker` or `valkey`; waits for it while it is being started again."""

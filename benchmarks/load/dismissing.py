@@ -14,6 +14,7 @@ from benchmarks.load.size import Size
 from benchmarks.load.stand import Stand
 from subjects.body import body
 from tests.acceptance.service import FINISHED, binary_stl
+from tests.children import children_at_work
 
 LIMIT_S = 2.0
 LOOK_S = 0.02
@@ -73,5 +74,5 @@ async def _take_back(client: Client, stand: Stand, job: str) -> float:
 
 
 def _has_children(stand: Stand) -> bool:
-    """Whether a nursery of the workers still has a child."""
-    return any(nursery.children() for worker in stand.workers for nursery in worker.children())
+    """Whether a nursery of the workers still has a child that works."""
+    return any(children_at_work(worker) for worker in stand.workers)

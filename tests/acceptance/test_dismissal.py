@@ -12,7 +12,7 @@ import psutil
 
 from subjects.body import body
 from tests.acceptance.service import Service
-from tests.embedded import Embedded, embedded
+from tests.embedded import embedded
 
 LIMIT_S = 2.0
 
@@ -27,11 +27,6 @@ def dismiss(service: Service, job: str) -> float:
     return time.monotonic() - asked
 
 
-def children(server: Embedded) -> list[psutil.Process]:
-    """What does the work."""
-    return [child for nursery in server.part("worker").children() for child in nursery.children()]
-
-
 def test_a_dismissal_takes_effect_within_two_seconds_at_any_stage(tmp_path: Path) -> None:
     alone = {"INTEGUMENT_WORKER_CONCURRENCY": "1", "INTEGUMENT_WORKER_FAST_SLOTS": "0"}
     with embedded(tmp_path / "data", alone) as server, closing(Service(server.url)) as service:
@@ -43,8 +38,7 @@ def test_a_dismissal_takes_effect_within_two_seconds_at_any_stage(tmp_path: Path
         service.wait(working, lambda status: status["status"] == "running" and status["progress"] >= 5)
         waiting = service.shells(skin)
         took["queued"] = dismiss(service, waiting)
-        at_work = children(server)
-        assert at_work
+        at_work = [server.child_at_work(working)]
         took["geometry"] = dismiss(service, working)
         _, alive = psutil.wait_procs(at_work, timeout=LIMIT_S)
         assert alive == []

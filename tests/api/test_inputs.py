@@ -23,6 +23,7 @@ def test_a_null_that_is_not_the_default_is_kept(api: Live, mesh_href: str) -> No
         "mesh": {"href": mesh_href},
         "mesher": "tetgen",
         "radius_edge": None,
+        "conductivities_s_per_m": {},
         "max_volume_mm3": {},
         "min_gap_mm": 0.05,
     }

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import scipy.io
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from core.ears.canal import make_canal
 from core.io.registry import write_mesh
 from core.mesh import Mesh
+from subjects.figure_eight import above_head, figure_eight, primary_field, write_ccd
 from subjects.generated.pieces import moved, opened
 from subjects.generated.revolved import ball
 from subjects.touching import arms_lowered, grown_together
@@ -56,6 +58,7 @@ class Workshop:
             for name in (side, f"{side}_canal"):
                 write_mesh(canal, folder / f"{name}.stl", "stl", name)
         (folder / "labels.nii.gz").write_bytes(packed(nifti(nested_labels(), np.diag([4.0, 4.0, 4.0, 1.0]))))
+        write_field(skin, folder)
         for name, (radius_mm, beside_mm) in TISSUES.items():
             write_mesh(moved(ball(radius_mm, 2), beside_mm, 0, 0), folder / f"{name}.stl", "stl", name)
         with Client(url) as client:
@@ -83,10 +86,12 @@ class Workshop:
             ["bash", "page.sh"], cwd=folder, env=self._environment(folder), capture_output=True, text=True, timeout=PAGE_S
         )
 
-    def uploaded(self, name: str) -> dict[str, str]:
-        """A link to one of the files."""
-        with Client(self.url) as client:
-            return {"href": client.upload_mesh(self.files[f"{name}.stl"], unit="mm", name=name).href}
+    def uploaded(self, file_name: str) -> dict[str, str]:
+        """A link to one of the files, which gives it its name."""
+        with TemporaryDirectory() as folder, Client(self.url) as client:
+            path = Path(folder) / file_name
+            path.write_bytes(self.files[file_name])
+            return {"href": client.upload_mesh(path, unit="mm", name=path.stem).href}
 
     def filled(self, text: str, mesh: str | None = None) -> str:
         """Addresses and ids that a reader has to put in; `mesh` for the upload's, without it that of the skin."""
@@ -119,6 +124,14 @@ def nested_labels() -> NDArray[np.uint8]:
     return labels
 
 
+def write_field(skin: Mesh, folder: Path) -> None:
+    """A coil above the skin, and its field at the skin's vertices: columns as the page of `fields` names them."""
+    write_ccd(figure_eight(), folder / "coil.ccd")
+    coil = figure_eight().placed(above_head(skin.vertices[skin.vertices[:, 2].argmax()]))
+    numbers = np.arange(len(skin.vertices))
+    np.savetxt(folder / "field.txt", np.column_stack([numbers, skin.vertices, primary_field(coil, skin.vertices)]))
+
+
 def write_donor(client: Client, skin: str, path: Path) -> None:
     """The shell whose ears a page grafts."""
     client.download(client.shells(skin, {"fat": 0.3}), "fat", path)
@@ -130,7 +143,9 @@ def as_inputs(block: Block, workshop: Workshop) -> dict[str, object]:
     document = json.loads(workshop.filled(block.text, workshop.volume if process == "segment" else None))
     inputs: dict[str, object] = document.get("inputs", document)
     if process == "detach" and "arms_down.stl" in workshop.files:
-        inputs["skin"] = workshop.uploaded("arms_down")
+        inputs["skin"] = workshop.uploaded("arms_down.stl")
     if process == "separate":
-        inputs["meshes"] = {name: workshop.uploaded(name) for name in ("skull", "grey", "white")}
+        inputs["meshes"] = {name: workshop.uploaded(f"{name}.stl") for name in ("skull", "grey", "white")}
+    if process == "fields":
+        inputs["field"], inputs["coil"]["file"] = workshop.uploaded("field.txt"), workshop.uploaded("coil.ccd")  # type: ignore[index]
     return inputs

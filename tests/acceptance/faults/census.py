@@ -21,6 +21,7 @@ from store.references import References
 from tests.acceptance.faults.plan import HOSTS
 from tests.acceptance.faults.premises import Premises
 from tests.acceptance.faults.story import Story
+from tests.children import children_at_work
 from worker.job_folder import sweep_job_folders
 
 FINISHED = frozenset({JobStatus.SUCCESSFUL, JobStatus.FAILED, JobStatus.DISMISSED})
@@ -160,9 +161,9 @@ def _find_processes(premises: Premises) -> list[str]:
     family = {os.getpid(), *members}
     left = []
     for pid in members:
-        for nursery in psutil.Process(pid).children():
-            family.add(nursery.pid)
-            left += [f"child {child.pid} of {pid}" for child in nursery.children()]
+        member = psutil.Process(pid)
+        family.update(process.pid for process in member.children(recursive=True))
+        left += [f"child {child.pid} of {pid}" for child in children_at_work(member).values()]
     for process in psutil.process_iter(["pid", "cwd"]):
         cwd = process.info["cwd"] or ""
         if process.info["pid"] not in family and Path(cwd).is_relative_to(premises.folder):

@@ -20,6 +20,7 @@ from tests.acceptance.faults.fault import Fault, Kind
 from tests.acceptance.faults.premises import PLACES, Premises
 from tests.acceptance.faults.small_disks import empty, fill
 from tests.acceptance.member import Member
+from tests.children import children_at_work
 
 HUNT_S = 8.0  # a child has to be there before it can be killed
 
@@ -139,8 +140,9 @@ class Injector:
         member = self._premises.member(host)
         found: list[psutil.Process] = []
         with suppress(psutil.NoSuchProcess):
-            nurseries = psutil.Process(member.process.pid).children() if member.is_running else []
-            found = nurseries if fault.target.startswith("nursery") else [child for one in nurseries for child in one.children()]
+            if member.is_running:
+                worker = psutil.Process(member.process.pid)
+                found = worker.children() if fault.target.startswith("nursery") else list(children_at_work(worker).values())
         if not found:
             return False
         victim = sorted(found, key=lambda process: process.pid)[fault.draw % len(found)]

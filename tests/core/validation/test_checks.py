@@ -201,7 +201,7 @@ def test_a_hole_is_placed_in_its_middle() -> None:
 
 
 def test_messages_say_what_would_mend_it() -> None:
-    assert "flipping 1 faces" in check_orientation(Surface("a", flipped(cube(), [5])))[0].message
+    assert "flipping 1 face would" in check_orientation(Surface("a", flipped(cube(), [5])))[0].message
     assert "one-sided" in check_orientation(Surface("a", moebius_strip()))[0].message
     assert "1 of them are cavities" in check_outward(Surface("a", together(sphere(3.0), sphere(1.0))))[0].message
 
