@@ -39,7 +39,7 @@ def test_text_comes_back_on_every_tissue_of_a_package(service: Service, coil: st
     service.succeed(shells)
     tissues = unpack_shells(service.result(shells, "package"))
     points = np.concatenate([mesh.vertices for mesh in tissues.values()])
-    field = service.upload_file(as_text(points / 1000.0 * 1000.0), "field.csv", "mm")
+    field = service.upload_file(as_text(points), "field.csv", "mm")
     told = service.http.get(field).json()
     assert (told["format"], told["faces"], told["field"]["columns"]) == ("table", 0, NAMES)
     assert told["field"]["rows"] == len(points)
