@@ -68,6 +68,7 @@ def same(after: dict[str, bytes], before: dict[str, bytes]) -> Iterator[str]:
     return (name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_an_embedded_server_comes_back_after_its_folder_was_destroyed(tmp_path: Path) -> None:
     data, vault = tmp_path / "data", str(tmp_path / "vault")

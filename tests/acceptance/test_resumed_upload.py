@@ -18,6 +18,7 @@ TUS = {"Tus-Resumable": "1.0.0"}
 PIECE_BYTES = 4 * 1024 * 1024
 
 
+@pytest.mark.slow
 def test_an_upload_goes_on_after_the_api_was_killed(tmp_path: Path) -> None:
     data = binary_stl(body(2))  # 21 MB
     acknowledged = PIECE_BYTES

@@ -4,6 +4,8 @@ from contextlib import closing
 from hashlib import sha256
 from pathlib import Path
 
+import pytest
+
 from subjects.body import body
 from tests.acceptance.conftest import MainJob
 from tests.acceptance.lab import lab
@@ -12,6 +14,7 @@ from tests.postgres import PostgresServer
 from tests.valkey import ValkeyServer
 
 
+@pytest.mark.slow
 def test_both_make_the_same_package(
     main_job: MainJob, service: Service, tmp_path: Path, postgres: PostgresServer, valkey: ValkeyServer
 ) -> None:
