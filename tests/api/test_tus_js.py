@@ -59,6 +59,6 @@ def test_what_it_terminates_is_gone(api: Live, file: Path, tmp_path: Path) -> No
 def test_it_is_told_of_a_file_that_is_too_large(api: Live, tmp_path: Path) -> None:
     large = tmp_path / "large.stl"
     large.write_bytes(bytes(64 * 1024 + 1))
-    told = run_tus_js(f"{api.url}/v1/uploads", large, tmp_path / "memory", chunk=50_000)
+    told = run_tus_js(f"{api.url}/v1/uploads", large, tmp_path / "memory", chunk=50_000, retryDelays=[200])
     assert "413" in told["error"]
     assert told["url"] is None

@@ -18,7 +18,7 @@ const upload = new Upload(createReadStream(given.file), {
   metadata: given.metadata ?? {},
   uploadSize: size,
   chunkSize: given.chunk,
-  retryDelays: [200, 500, 1000, 1000, 2000, 2000, 4000, 4000, 8000, 8000],
+  retryDelays: given.retryDelays ?? [200, 500, 1000, 1000, 2000, 2000, 4000, 4000, 8000, 8000],
   urlStorage: new FileUrlStorage(given.memory),
   fingerprint: async () => `tests-${size}`,
   onShouldRetry: () => {
