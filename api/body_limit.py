@@ -10,9 +10,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MAX_BODY_BYTES = 1024 * 1024
-MAX_SEPARATORS = (
-    50_000  # commas: a megabyte of `1,1,1` would be half a million values, each of them refused with reasons of its own
-)
+MAX_SEPARATORS = 50_000  # commas: a megabyte of `1,1,1` would be half a million values, each refused with reasons of its own
 TOO_MANY_BYTES = f"The body may have {MAX_BODY_BYTES} bytes at this route"
 TOO_MANY_VALUES = f"The body may have {MAX_SEPARATORS} commas at this route"
 DRAIN_S = 5.0

@@ -66,30 +66,26 @@ class MeshInputs:
         """The label volume behind a link, kept as long as a mesh.
 
         Raises InputError as `resolve`, with `reference.not_a_volume` if that upload is a mesh."""
-        volume = self._find(workspace, href)
-        if volume.media_type != VOLUME_MEDIA_TYPE:
-            raise InputError(
-                "reference.not_a_volume", f"'{volume.file_name}' is {volume.media_type}, not a label volume", href=href
-            )
-        return volume
+        return self._find_kind(workspace, href, VOLUME_MEDIA_TYPE, "reference.not_a_volume", "a label volume")
 
     def resolve_field(self, workspace: WorkspaceId, href: str) -> MeshInput:
         """The field behind a link, kept as long as a mesh.
 
         Raises InputError as `resolve`, with `reference.not_a_field` if that upload is something else."""
-        field = self._find(workspace, href)
-        if field.media_type != FIELD_MEDIA_TYPE:
-            raise InputError("reference.not_a_field", f"'{field.file_name}' is {field.media_type}, not a field", href=href)
-        return field
+        return self._find_kind(workspace, href, FIELD_MEDIA_TYPE, "reference.not_a_field", "a field")
 
     def resolve_coil(self, workspace: WorkspaceId, href: str) -> MeshInput:
         """The coil behind a link, kept as long as a mesh.
 
         Raises InputError as `resolve`, with `reference.not_a_coil` if that upload is something else."""
-        coil = self._find(workspace, href)
-        if coil.media_type != COIL_MEDIA_TYPE:
-            raise InputError("reference.not_a_coil", f"'{coil.file_name}' is {coil.media_type}, not a coil", href=href)
-        return coil
+        return self._find_kind(workspace, href, COIL_MEDIA_TYPE, "reference.not_a_coil", "a coil")
+
+    def _find_kind(self, workspace: WorkspaceId, href: str, media_type: str, code: str, words: str) -> MeshInput:
+        """What is behind the link; anything but `media_type` is refused by `code` as not being `words`."""
+        found = self._find(workspace, href)
+        if found.media_type != media_type:
+            raise InputError(code, f"'{found.file_name}' is {found.media_type}, not {words}", href=href)
+        return found
 
     def _find(self, workspace: WorkspaceId, href: str) -> MeshInput:
         match = _HREF.fullmatch(href)
