@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from urllib.parse import parse_qs, unquote, urlsplit
 
@@ -17,11 +18,13 @@ from store.workspace import WorkspaceId
 TIMEOUT_S = 0.25
 PAUSE_S = 5.0  # a Valkey that does not answer is not asked again for so long
 _KEY = "integument:rate:"
-# one step, so that of any number of processes none takes a token twice; Valkey's clock is the only one
+# one step, so that of any number of processes none takes a token twice; Valkey's clock is the only one unless one is given
 _TAKE = """
-local rate, burst = tonumber(ARGV[1]), tonumber(ARGV[2])
-local time = redis.call('TIME')
-local now = tonumber(time[1]) + tonumber(time[2]) / 1000000
+local rate, burst, now = tonumber(ARGV[1]), tonumber(ARGV[2]), tonumber(ARGV[3])
+if not now then
+  local time = redis.call('TIME')
+  now = tonumber(time[1]) + tonumber(time[2]) / 1000000
+end
 local held = redis.call('HMGET', KEYS[1], 'tokens', 'at')
 local tokens = tonumber(held[1]) or burst
 tokens = math.min(burst, tokens + math.max(0, now - (tonumber(held[2]) or now)) * rate)
@@ -69,11 +72,14 @@ class Allowance:
 
 
 class RateLimiter:
-    """Thread-safe; connects when first asked. A Valkey that is away limits nobody: it may lose everything, requests go on."""
+    """Thread-safe; connects when first asked. A Valkey that is away limits nobody: it may lose everything, requests go on.
 
-    def __init__(self, broker_url: str, per_s: float, burst: int) -> None:
+    now_s: seconds of another clock than Valkey's, for tests; all processes would have to share it."""
+
+    def __init__(self, broker_url: str, per_s: float, burst: int, now_s: Callable[[], float] | None = None) -> None:
         self._per_s = per_s
         self._burst = burst
+        self._now_s = now_s
         self._client = _connect(broker_url)
         self._take = self._client.register_script(_TAKE)
         self._quiet_until = -math.inf
@@ -83,7 +89,8 @@ class RateLimiter:
         if self._per_s <= 0 or time.monotonic() < self._quiet_until:
             return None
         try:
-            allowed, tokens = self._take(keys=[_KEY + workspace], args=[self._per_s, self._burst])
+            now = "" if self._now_s is None else self._now_s()
+            allowed, tokens = self._take(keys=[_KEY + workspace], args=[self._per_s, self._burst, now])
         except redis.RedisError as error:
             self._quiet_until = time.monotonic() + PAUSE_S
             _log.warning("requests are not counted for %.0f s, Valkey does not answer: %s", PAUSE_S, error)

@@ -23,7 +23,7 @@ def live(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) 
         data_dir=tmp_path_factory.mktemp("limits"),
         broker_url=shared_valkey.url,
         queue="tests-limits",
-        rate_per_s=0.5,
+        rate_per_s=0.001,  # none comes back while a test runs, however slow the machine
         rate_burst=20,
     )
     with serving(settings) as live:
@@ -41,13 +41,13 @@ def test_too_many_requests_are_told_when_to_come_again(live: Live) -> None:
     with client_of(live, "busy") as client, client_of(live, "calm") as other:
         answers = [client.get("/v1/jobs") for _ in range(21)]
         assert [answer.status_code for answer in answers] == [200] * 20 + [429]
-        assert answers[0].headers["ratelimit-policy"] == '"workspace";q=20;w=40'
-        assert answers[0].headers["ratelimit"] == '"workspace";r=19;t=2'
+        assert answers[0].headers["ratelimit-policy"] == '"workspace";q=20;w=20000'
+        assert answers[0].headers["ratelimit"] == '"workspace";r=19;t=1000'
         problem = problem_of(answers[-1], 429, "rate.exceeded")
         assert problem["retryable"] is True
         assert problem["facts"]["burst"] == 20
-        assert 1 <= int(answers[-1].headers["retry-after"]) <= 2
-        assert re.fullmatch('"workspace";r=0;t=(39|40)', answers[-1].headers["ratelimit"])
+        assert 0 < int(answers[-1].headers["retry-after"]) <= 1000
+        assert re.fullmatch('"workspace";r=0;t=[0-9]{5}', answers[-1].headers["ratelimit"])
         assert other.get("/v1/jobs").status_code == 200
         assert httpx.get(f"{live.url}/healthz").status_code == 200
 

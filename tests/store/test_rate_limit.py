@@ -21,27 +21,50 @@ def allowed(taken: Allowance | None) -> bool:
     return taken.allowed
 
 
+class Clock:
+    """Stands still until told otherwise."""
+
+    def __init__(self) -> None:
+        self.now_s = 1_700_000_000.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
 def test_a_burst_passes_then_the_rate_holds(valkey: ValkeyServer) -> None:
-    limiter = RateLimiter(valkey.url, per_s=0.5, burst=5)
+    limiter = RateLimiter(valkey.url, per_s=0.5, burst=5, now_s=Clock())
     taken = [limiter.take(LAB) for _ in range(7)]
-    assert [allowed(one) for one in taken] == [True] * 5 + [False] * 2
+    assert taken == [Allowance(True, 5, 0.5, left) for left in (4.0, 3.0, 2.0, 1.0, 0.0)] + [Allowance(False, 5, 0.5, 0.0)] * 2
     first, last = taken[0], taken[-1]
     assert first is not None
     assert last is not None
     assert (first.remaining, first.window_s, first.reset_s) == (4, 10, 2)
-    assert (last.remaining, last.retry_after_s) == (0, 2)
-    assert allowed(limiter.take(OTHER)), "each workspace has a bucket of its own"
+    assert (last.remaining, last.reset_s, last.retry_after_s) == (0, 10, 2)
+    assert limiter.take(OTHER) == Allowance(True, 5, 0.5, 4.0), "each workspace has a bucket of its own"
     limiter.close()
 
 
 def test_the_bucket_fills_with_time_and_not_beyond_its_rim(valkey: ValkeyServer) -> None:
-    limiter = RateLimiter(valkey.url, per_s=50.0, burst=2)
-    assert [allowed(limiter.take(LAB)) for _ in range(2)] == [True, True]
-    time.sleep(0.2)
-    again = limiter.take(LAB)
-    assert again is not None
-    assert again.allowed
-    assert again.remaining == 1
+    clock = Clock()
+    limiter = RateLimiter(valkey.url, per_s=0.5, burst=2, now_s=clock)
+    assert [allowed(limiter.take(LAB)) for _ in range(3)] == [True, True, False]
+    clock.now_s += 1.5
+    assert limiter.take(LAB) == Allowance(False, 2, 0.5, 0.75)
+    clock.now_s += 0.5
+    assert limiter.take(LAB) == Allowance(True, 2, 0.5, 0.0)
+    clock.now_s += 3600.0
+    assert limiter.take(LAB) == Allowance(True, 2, 0.5, 1.0)
+    clock.now_s -= 3600.0
+    assert limiter.take(LAB) == Allowance(True, 2, 0.5, 0.0), "a clock that goes back takes nothing away"
+    limiter.close()
+
+
+def test_without_a_clock_the_bucket_goes_by_that_of_valkey(valkey: ValkeyServer) -> None:
+    limiter = RateLimiter(valkey.url, per_s=1000.0, burst=1)
+    assert allowed(limiter.take(LAB))
+    deadline = time.monotonic() + 10
+    while not allowed(limiter.take(LAB)):
+        assert time.monotonic() < deadline, "no token comes back"
     limiter.close()
 
 
