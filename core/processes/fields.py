@@ -39,7 +39,7 @@ from core.schema.finding import MAX_PLACES, Finding, Place, Severity
 from core.schema.report import CoilReport, FieldReport, Report
 
 ZIP, MSH, STATISTICS = "fields.zip", "fields.msh", "statistics.csv"
-PAINTED = Painted("magnitude of the field, 0 where there is none", "V/m")
+PAINTED = Painted("magnitude of the field, grey where there is none", "V/m")
 METHODS = (
     "The field of a solver was brought onto the surfaces: the value of a triangle is the mean over it ({ways}). Triangles "
     "farther than {limit:g} mm from the field were given no value. Means and percentiles are weighted by area; normal and "
@@ -86,7 +86,7 @@ def run_fields(inputs: FieldsInputs, meshes: Mapping[str, Mapping[str, Any]], ru
     report = _report(inputs, loaded, mapped, fields, coil)
     run.stage("write", 0.85, 1.0)
     files = _write(out_dir, loaded, mapped, report, figures)
-    painted = {name: np.nan_to_num(each.magnitude) for name, each in mapped.items()}
+    painted = {name: each.magnitude for name, each in mapped.items()}
     return Outcome(report, figures, files, loaded.surfaces, painted, painted=PAINTED)
 
 

@@ -18,13 +18,14 @@ from core.reports.palette import as_hex, tissue_colours
 from core.reports.scene.face_order import neighbours_first, off_prediction, steps_back
 from core.reports.scene.thin_out import thin_out
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 GRID_BITS = 18  # of the longest side: 0.007 mm for a body 1.8 m tall
 MOST_FACES = 1_000_000  # of all surfaces together; browsers stay fluent, and a mail stays small
 FLAT_MM = 1e-9  # so that flat surfaces, too, are told apart by their other two extents
 DEFLATE_EFFORT = 6
 NO_DEPTHS: Mapping[str, NDArray[np.float64]] = {}
 PLANES = (0, 8, 16)  # the bytes of a number lie apart: high ones are nearly all 0
+DEPTH_STEPS = 254  # from 0 to the deepest, told as bytes 1 to 255; byte 0 is a vertex that has no depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +58,10 @@ def make_scene(
 ) -> Scene | None:
     """Pack surfaces, the largest first, as they are drawn; None if there are none.
 
-    depths_mm: surface -> distance of its vertices (V,) or faces (F,) to the skin, painted on it on demand; or whatever `painted`
-    calls it.
+    depths_mm: surface -> distance of its vertices (V,) or faces (F,) to the skin, NaN where there is none, painted on it on
+    demand; or whatever `painted` calls it.
     Promises: same meshes, same bytes; every face keeps its corners and its orientation unless its surface is thinned; that
-              has no depths either. A depth is shown to a 255th of the largest.
+              has no depths either. A depth is shown to a 254th of the largest, NaN as grey.
     """
     largest_first = sorted(meshes.items(), key=lambda item: -float(np.prod(item[1].extents_mm() + FLAT_MM)))
     if not meshes:
@@ -92,8 +93,9 @@ def make_scene(
         )
         if name in depths_mm and mesh is meshes[name]:
             depths = _of_vertices(depths_mm[name], mesh)[order]
-            surfaces[-1]["deepest_mm"] = deepest = float(depths.max()) or 1.0
-            chunks.append(np.rint(255.0 / deepest * np.maximum(depths, 0.0)).astype(np.uint8).tobytes())
+            surfaces[-1]["deepest_mm"] = deepest = float(np.max(depths, initial=0.0, where=np.isfinite(depths))) or 1.0
+            steps = 1.0 + np.rint(DEPTH_STEPS / deepest * np.maximum(depths, 0.0))
+            chunks.append(np.nan_to_num(steps).astype(np.uint8).tobytes())
     about: dict[str, Any] = {"version": FORMAT_VERSION, "origin_mm": low.tolist(), "step_mm": step, "surfaces": surfaces}
     if painted is not None:
         about["painted"] = asdict(painted)
@@ -107,12 +109,14 @@ def _planes(numbers: NDArray[np.uint32]) -> list[bytes]:
 
 
 def _of_vertices(depths_mm: NDArray[np.float64], mesh: Mesh) -> NDArray[np.float64]:
-    """(V,): as given, or the mean of the faces around."""
+    """(V,): as given, or the mean of the faces around that have one, NaN if none has."""
     if len(depths_mm) == len(mesh.vertices):
         return depths_mm
-    corners = mesh.faces.ravel()
-    sums = np.bincount(corners, np.repeat(depths_mm, 3), minlength=len(mesh.vertices))
-    means: NDArray[np.float64] = sums / np.maximum(np.bincount(corners, minlength=len(mesh.vertices)), 1)
+    known = np.isfinite(depths_mm)
+    corners = mesh.faces[known].ravel()
+    sums = np.bincount(corners, np.repeat(depths_mm[known], 3), minlength=len(mesh.vertices))
+    counts = np.bincount(corners, minlength=len(mesh.vertices))
+    means: NDArray[np.float64] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
     return means
 
 

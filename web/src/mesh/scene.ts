@@ -2,8 +2,9 @@ import type { Triangles } from "./triangles";
 
 /** The surfaces a report carries; core/reports/scene/scene.py packs them. */
 
-const VERSION = 1;
+const VERSION = 2;
 const BYTES = 3; // of a number, low byte first, each in a run of its own
+const DEPTH_STEPS = 254; // bytes 1 to 255; byte 0 is a vertex without a depth
 
 export interface SceneAbout {
   version: number;
@@ -34,6 +35,7 @@ interface PackedSurface {
 
 export interface SceneMesh {
   mesh: Triangles;
+  /** One per vertex, NaN where there is none. */
   depths: Float32Array | null;
 }
 
@@ -57,9 +59,12 @@ export async function readScene(about: SceneAbout, packed: string): Promise<Scen
     const corners = cornersOf(take(faces));
     const mesh = { faces: corners, positions: positionsOf(corners, take(vertices), about) };
     if (deepest_mm === null) return { mesh, depths: null };
-    const shares = data.subarray(start, start + vertices);
+    const steps = data.subarray(start, start + vertices);
     start += vertices;
-    return { mesh, depths: Float32Array.from(shares, (share) => (share / 255) * deepest_mm) };
+    const depths = Float32Array.from(steps, (step) =>
+      step === 0 ? Number.NaN : ((step - 1) / DEPTH_STEPS) * deepest_mm,
+    );
+    return { mesh, depths };
   });
 }
 

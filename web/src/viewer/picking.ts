@@ -59,7 +59,7 @@ export function pick(
   return nearest?.probe ?? null;
 }
 
-/** The field of the surface there, linear within the face. */
+/** The field of the surface there, linear within the face; null where a corner has no value. */
 function valueAt(shell: Shell, face: number, point: Vector3): number | null {
   const { field, mesh } = shell.surface;
   if (!field) return null;
@@ -69,6 +69,9 @@ function valueAt(shell: Shell, face: number, point: Vector3): number | null {
     new Vector3().subVectors(p, point).cross(new Vector3().subVectors(q, point)).length();
   const shares = [area(b, c), area(c, a), area(a, b)];
   const sum = shares[0]! + shares[1]! + shares[2]!;
-  if (sum === 0) return field.values[corners[0]!]!;
-  return corners.reduce((value, v, k) => value + (shares[k]! / sum) * field.values[v]!, 0);
+  const value =
+    sum === 0
+      ? field.values[corners[0]!]!
+      : corners.reduce((mean, v, k) => mean + (shares[k]! / sum) * field.values[v]!, 0);
+  return Number.isNaN(value) ? null : value;
 }

@@ -9,7 +9,7 @@ import pytest
 
 from core.mesh import Mesh
 from core.reports.scene import face_order
-from core.reports.scene.scene import FORMAT_VERSION, Scene, make_scene
+from core.reports.scene.scene import DEPTH_STEPS, FORMAT_VERSION, Scene, make_scene
 from subjects.body import body
 from tests.project.sources import ROOT
 from tests.solids import cube, sphere, together, without_faces
@@ -85,10 +85,36 @@ def test_depths_follow_the_vertices_and_those_of_faces_are_spread():
         assert scene is not None
         deepest = scene.about["surfaces"][0]["deepest_mm"]
         back = unpacked(scene)["ball"]
-        shares = np.frombuffer(zlib.decompress(scene.data)[-len(ball.vertices) :], dtype=np.uint8)
-        found = shares / 255.0 * deepest
+        steps = np.frombuffer(zlib.decompress(scene.data)[-len(ball.vertices) :], dtype=np.uint8)
+        assert steps.min() >= 1
+        found = (steps - 1.0) / DEPTH_STEPS * deepest
         expected = back.vertices[:, 2] - ball.vertices[:, 2].min()
         assert np.abs(found - expected).max() < (0.05 if depths is heights else 1.5)
+
+
+def test_a_vertex_without_a_depth_is_told_from_one_at_zero():
+    ball = sphere(10.0, 3)
+    heights = ball.vertices[:, 2] + 10.0
+    heights[ball.vertices[:, 2] < 0.0] = np.nan
+    scene = make_scene({"ball": ball}, {"ball": heights})
+    assert scene is not None
+    steps = np.frombuffer(zlib.decompress(scene.data)[-len(ball.vertices) :], dtype=np.uint8)
+    back = unpacked(scene)["ball"]
+    np.testing.assert_array_equal(steps == 0, back.vertices[:, 2] < -scene.error_mm)
+    # of faces: a vertex has none if no face around it has, else the mean of those that have
+    of_faces = np.where(ball.triangles()[:, :, 2].max(axis=1) < 0.0, np.nan, 7.0)
+    scene = make_scene({"ball": ball}, {"ball": of_faces})
+    assert scene is not None
+    steps = np.frombuffer(zlib.decompress(scene.data)[-len(ball.vertices) :], dtype=np.uint8)
+    assert set(np.unique(steps)) == {0, 255}
+    assert scene.about["surfaces"][0]["deepest_mm"] == 7.0
+
+
+def test_a_surface_without_any_value_is_packed_as_such():
+    ball = sphere(10.0, 2)
+    scene = make_scene({"ball": ball}, {"ball": np.full(len(ball.faces), np.nan)})
+    assert scene is not None
+    assert set(zlib.decompress(scene.data)[-len(ball.vertices) :]) == {0}
 
 
 def test_a_thinned_surface_has_no_depths():
@@ -144,7 +170,7 @@ def test_an_open_surface_is_not_called_closed():
 def test_the_page_reads_what_is_packed_here():
     """web/tests/scene.test.ts reads this very scene; if it fails, give the new format another version, there too."""
     tetrahedron = Mesh.of([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    scene = make_scene({"skin": tetrahedron}, {"skin": np.array([0.0, 1.0, 2.0, 0.5])})
+    scene = make_scene({"skin": tetrahedron}, {"skin": np.array([0.0, np.nan, 2.0, 0.5])})
     assert scene is not None
     source = (ROOT / "web" / "tests" / "scene.test.ts").read_text()
     packed = re.search(r'DATA =\s*"([^"]*)"', source)
