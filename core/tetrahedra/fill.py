@@ -48,10 +48,13 @@ def fill(
     vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])
     limits = largest_mm3 or {}
     if mesher == "gmsh":
-        made = _by_gmsh(vertices, surfaces, nesting, limits)
-    else:
-        made = _by_tetgen(vertices, surfaces, nesting, gap_mm, radius_edge, limits)
-    known = (made.region >= 0) & (made.region < len(surfaces))  # what is left is the air in cavities of the outermost
+        return _proven(_by_gmsh(vertices, surfaces, nesting, limits), surfaces, nesting)
+    return _by_tetgen(vertices, surfaces, nesting, gap_mm, radius_edge, limits)
+
+
+def _proven(made: Filling, surfaces: Mapping[str, Mesh], nesting: Mapping[str, str | None]) -> VolumeMesh:
+    """The tetrahedra in tissues; what is left is the air in cavities of the outermost."""
+    known = (made.region >= 0) & (made.region < len(surfaces))
     volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), made.region[known])
     prove_filled(volume, surfaces, nesting)
     return volume
@@ -75,16 +78,19 @@ def _by_tetgen(
     gap_mm: float,
     radius_edge: float | None,
     limits: Mapping[str, float],
-) -> Filling:
+) -> VolumeMesh:
     names = list(surfaces)
     points, region = _region_points(surfaces, nesting, gap_mm)
     largest = np.array([limits.get(names[number], 0.0) for number in region])
     first_vertex = np.cumsum([0, *(len(mesh.vertices) for mesh in surfaces.values())])
     faces = np.vstack([mesh.faces + np.int32(start) for mesh, start in zip(surfaces.values(), first_vertex, strict=False)])
     switches = f"pYY{'' if radius_edge is None else f'q{radius_edge:g}'}{'a' if limits else ''}AQ"
-    made = fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches)
-    number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - np.int32(FIRST_REGION)
-    return Filling(made.nodes, made.tetrahedra, number)
+
+    def finish(made: Filling) -> VolumeMesh:
+        number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - np.int32(FIRST_REGION)
+        return _proven(Filling(made.nodes, made.tetrahedra, number), surfaces, nesting)
+
+    return fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches, finish)
 
 
 def _region_points(

@@ -1,17 +1,20 @@
-"""TetGen asked in several ways until one adds no vertex on a surface: which one does is luck of coordinates."""
+"""TetGen asked in several ways until one adds no vertex on a surface and is proven: which one does is luck of coordinates."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from core.errors import InputError
+from core.errors import InputError, InternalError
 from core.tetrahedra.forked import Filling
 from core.tetrahedra.tetgen import Facets, run_tetgen
 
+T = TypeVar("T")
 AXIS = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)  # along no plane of symmetry
 
 
@@ -29,16 +32,17 @@ class Way:
 WAYS = (Way(1e-12), Way(1e-8), Way(1e-16), Way(1e-12, 1.0), Way(1e-8, 1.0), Way(1e-12, 7.0))
 
 
-def fill_facets(facets: Facets, switches: str) -> Filling:
-    """By the first way that works: YY among the switches ends TetGen if it has to add a vertex on a surface.
+def fill_facets(facets: Facets, switches: str, finish: Callable[[Filling], T]) -> T:
+    """What `finish` makes of the tetrahedra, by the first way that works: YY among the switches ends TetGen if it has to add a
+    vertex on a surface, and `finish` raises InternalError if they do not pass its proof.
 
-    Raises: InputError `tetrahedra.refused` with what TetGen said to the last one."""
+    Raises: that of the last way: InputError `tetrahedra.refused` with what TetGen said, or what `finish` raised."""
     for way in WAYS[:-1]:
         try:
-            return _fill(facets, switches, way)
-        except InputError:
+            return finish(_fill(facets, switches, way))
+        except (InputError, InternalError):
             continue
-    return _fill(facets, switches, WAYS[-1])
+    return finish(_fill(facets, switches, WAYS[-1]))
 
 
 def _fill(facets: Facets, switches: str, way: Way) -> Filling:

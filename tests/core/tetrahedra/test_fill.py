@@ -12,9 +12,11 @@ from core.errors import InputError, InternalError
 from core.mesh import Mesh
 from core.tetrahedra.element_quality import quality, volumes
 from core.tetrahedra.fill import fill
+from core.tetrahedra.forked import Filling
 from core.tetrahedra.prove_filled import expected_volumes, prove_filled
 from core.tetrahedra.regions import spread_regions
-from core.tetrahedra.tetgen_ways import Way
+from core.tetrahedra.tetgen import Facets
+from core.tetrahedra.tetgen_ways import Way, fill_facets
 from tests.solids import cube, flipped, sphere, together
 
 SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.0, 1)}
@@ -164,6 +166,26 @@ def test_what_one_way_refuses_the_next_one_fills(monkeypatch):
     assert error.value.code == "tetrahedra.refused"
     monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5), Way(1e-12)))
     assert np.unique(fill(SURFACES, NESTING, gap_mm=0.5).region).tolist() == [0, 1, 2]
+
+
+def test_what_one_way_makes_but_cannot_prove_the_next_one_makes():
+    ball = sphere(10.0, 1)
+    facets = Facets(ball.vertices, ball.faces, np.zeros((1, 3)), np.array([1]), np.zeros(1))
+    asked: list[int] = []
+
+    def proven_from_the_third_on(made: Filling) -> int:
+        asked.append(len(made.tetrahedra))
+        if len(asked) < 3:
+            raise InternalError("tetrahedra.not_proven", "not yet")
+        return len(asked)
+
+    assert fill_facets(facets, "pYYAQ", proven_from_the_third_on) == 3
+    with pytest.raises(InternalError, match="never"):
+        fill_facets(facets, "pYYAQ", never_proven)
+
+
+def never_proven(_made: Filling) -> None:
+    raise InternalError("tetrahedra.not_proven", "never")
 
 
 def test_what_was_turned_comes_back_where_it_was(monkeypatch, filled):
