@@ -10,7 +10,7 @@ from api.links import BASE, RESULTS_RELATION, Query, absolute, job_path, link
 from api.outlook import Outlook
 from api.schemas.job import Failure, JobList, ResultReference, Results, StatusInfo
 from api.schemas.link import Link
-from store.job import Job
+from store.job import Job, JobStatus
 from store.page import Page
 
 REPORT_OUTPUT = "report"
@@ -77,14 +77,17 @@ def list_jobs(request: Request, page: Page[Job], query: Query, outlook: Outlook)
 
 def refer_to_results(request: Request, job: Job) -> Results:
     """The results document: every output by reference."""
-    return Results(
-        {
-            name: ResultReference(
-                href=absolute(request, f"{job_path(job.id)}/results/{name}"), type=output.media_type, title=output.file_name
-            )
-            for name, output in job.outputs.items()
-        }
-    )
+    return Results(refer_to_outputs(request, job))
+
+
+def refer_to_outputs(request: Request, job: Job) -> dict[str, ResultReference]:
+    """Name -> where it is."""
+    return {
+        name: ResultReference(
+            href=absolute(request, f"{job_path(job.id)}/results/{name}"), type=output.media_type, title=output.file_name
+        )
+        for name, output in job.outputs.items()
+    }
 
 
 def _links(request: Request, job: Job) -> tuple[Link, ...]:
@@ -93,6 +96,9 @@ def _links(request: Request, job: Job) -> tuple[Link, ...]:
         link(request, path, "self", title="Status"),
         link(request, f"{path}/events", "monitor", media_type="text/event-stream", title="Events"),
     ]
+    if job.status is JobStatus.FAILED:
+        left = refer_to_outputs(request, job).values()
+        links += [Link(href=output.href, rel="item", type=output.type, title=output.title) for output in left]
     if job.outputs:
         links.append(link(request, f"{path}/results", RESULTS_RELATION, title="Results"))
     if REPORT_OUTPUT in job.outputs:

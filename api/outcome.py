@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from starlette.requests import Request
+from starlette.responses import Response
+
+from api.job_documents import refer_to_outputs
+from api.problems import problem_of, problem_response
 from core.errors import CLASSES_BY_FAULT, IntegumentError, StateError
 from core.schema.finding import Finding
 from store.job import Job, JobFailure, JobStatus
@@ -32,6 +37,12 @@ def require_results(job: Job) -> Job:
         status=job.status.value,
         progress=job.progress,
     )
+
+
+def tell_failure(request: Request, job: Job, failure: JobFailure) -> Response:
+    """The problem a job failed of, with references to the outputs it left all the same."""
+    problem = problem_of(request, revive_failure(failure))
+    return problem_response(problem.model_copy(update={"outputs": refer_to_outputs(request, job)}))
 
 
 def no_such_output(job: Job, output: str) -> StateError:

@@ -45,7 +45,8 @@ class MeshInputs:
         """The mesh behind a link; its blob is made young, so it outlives any sweep until the job's row refers to it.
 
         Raises InputError `reference.invalid` (no such link here), `reference.not_found` (nothing there),
-        `reference.not_ready` (that job has not succeeded), `reference.not_a_mesh` (that output is no mesh)."""
+        `reference.not_ready` (that job has not succeeded, nor left such an output when it failed), `reference.not_a_mesh` (that
+        output is no mesh)."""
         mesh = self._find(workspace, href)
         if mesh.media_type not in MESH_MEDIA_TYPES:
             raise InputError("reference.not_a_mesh", f"output '{mesh.file_name}' is {mesh.media_type}, not a mesh", href=href)
@@ -117,11 +118,12 @@ class MeshInputs:
 
     def _result(self, workspace: WorkspaceId, href: str, job_id: str, name: str) -> MeshInput:
         job = self._jobs.get(workspace, job_id)
-        if job.status is not JobStatus.SUCCESSFUL:
+        left = job.outputs.get(name) if job.status is JobStatus.FAILED else None
+        if job.status is not JobStatus.SUCCESSFUL and left is None:
             raise InputError(
-                "reference.not_ready", f"job {job_id} is {job.status}, it has no results to build on", href=href, job=job_id
+                "reference.not_ready", f"job {job_id} is {job.status}, it has no '{name}' to build on", href=href, job=job_id
             )
-        output = job.outputs.get(name)
+        output = left or job.outputs.get(name)
         if output is None:
             raise InputError(
                 "reference.not_found", f"job {job_id} has no output '{name}', only {', '.join(job.outputs)}", href=href

@@ -19,7 +19,7 @@ from api.job_documents import REPORT_HTML_OUTPUT, REPORT_OUTPUT, describe_failur
 from api.links import job_path
 from api.mesh_export import WRITTEN_AS, StoredMesh, export_mesh
 from api.negotiation import prefers
-from api.outcome import no_such_output, require_results
+from api.outcome import no_such_output, require_results, tell_failure
 from api.parameters import JobId, MostFaces
 from api.responses import files, problems
 from api.schemas.job import Results
@@ -27,7 +27,7 @@ from api.scratch import FolderDep
 from api.services import Services, ServicesDep
 from api.stored_download import stored_download
 from core.errors import StateError
-from store.job import Job, JobOutput
+from store.job import Job, JobOutput, JobStatus
 from store.mesh_inputs import count_faces
 from store.workspace import WorkspaceId
 
@@ -41,10 +41,16 @@ REPORT_POLICY = (
 )
 
 
-@router.get("/results", operation_id="getResults", responses=problems(404, 409, 413, 422))
-def get_results(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> Results:
-    """Every output of a successful job, by reference. A failed job answers with the problem it failed of."""
-    return refer_to_results(request, require_results(services.jobs.get(workspace, job_id)))
+@router.get("/results", operation_id="getResults", response_model=Results, responses=problems(404, 409, 413, 422))
+def get_results(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> Results | Response:
+    """Every output of a successful job, by reference.
+
+    A failed job answers with the problem it failed of, whose `outputs` are those it left: its report, and of `prepare` the
+    surfaces as the last finished step left them."""
+    job = services.jobs.get(workspace, job_id)
+    if job.status is JobStatus.FAILED and job.failure is not None:
+        return tell_failure(request, job, job.failure)
+    return refer_to_results(request, require_results(job))
 
 
 FACES_HEADER = "Integument-Faces"
@@ -67,7 +73,7 @@ async def get_result(
     folder: FolderDep,
     most_faces: MostFaces = None,
 ) -> Response:
-    """One output as a file. A failed job may have left some too: its report.
+    """One output as a file. A failed job may have left some too: the problem of its results lists them.
 
     A surface with more than `most_faces` comes coarser, and the header `Integument-Faces` says how many it really has."""
     found = await run_in_threadpool(_find_output, services, workspace, job_id, output)

@@ -58,7 +58,7 @@ class StatusInfo(Document):
     expected_cpu_s: float | None = Field(
         None, alias="expectedCpuSeconds", description="Processor time one attempt may take, roughly"
     )
-    links: tuple[Link, ...]
+    links: tuple[Link, ...] = Field(description="Of a failed job those with the relation `item` lead to what it left")
 
 
 class JobList(Document):

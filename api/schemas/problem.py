@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from api.schemas.job import ResultReference
 from core.errors import Fact
 from core.schema.finding import Finding
 from core.schema.model import FrozenModel
@@ -31,3 +32,6 @@ class Problem(FrozenModel):
     errors: tuple[Violation, ...] = Field((), description="Every violation found in the request")
     facts: dict[str, Fact] = Field({}, description="The numbers and ids of `detail`, for programs")
     findings: tuple[Finding, ...] = Field((), description="Places on the mesh, if geometry is at fault")
+    outputs: dict[str, ResultReference] = Field(
+        {}, description="What a failed job left, in place of results: name of output -> where to get it"
+    )

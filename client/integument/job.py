@@ -8,10 +8,12 @@ from typing import Any, Literal
 from pydantic import Field
 
 from integument.answer import Answer
+from integument.result import Output
 
 Status = Literal["accepted", "running", "successful", "failed", "dismissed"]
 FINISHED: frozenset[str] = frozenset({"successful", "failed", "dismissed"})
 READY = "simulation_ready"
+ITEM = "item"  # the relation of links to what a failed job left
 
 
 class Failure(Answer):
@@ -46,6 +48,7 @@ class Job(Answer):
     summary: str | None = None
     failure: Failure | None = None
     timings_s: dict[str, float] | None = Field(None, description="Seconds per phase, when finished")
+    links: tuple[Output, ...] = ()
 
     @property
     def done(self) -> bool:
@@ -56,6 +59,12 @@ class Job(Answer):
     def ready(self) -> bool:
         """Successful, and what it made or looked at is fit for simulation."""
         return self.status == "successful" and self.verdict == READY
+
+    @property
+    def left(self) -> dict[str, Output]:
+        """What a failed job left all the same, by name: its report, and of `prepare` the surfaces as the last finished step left
+        them and the record of the steps. `Client.download` fetches them, and the next job may take them as inputs."""
+        return {link.href.rpartition("/")[2]: link for link in self.links if link.rel == ITEM}
 
     @property
     def seconds(self) -> float | None:

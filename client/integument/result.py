@@ -11,9 +11,10 @@ from integument.errors import ReplyError
 
 
 class Output(Answer):
-    """A link to one output; `href` may be used as an input of the next job."""
+    """A link to one output; `href` may be used as an input of the next job. rel: where it stands in a job, not in its results."""
 
     href: str
+    rel: str | None = None
     type: str | None = None
     title: str | None = None
 

@@ -93,10 +93,14 @@ class Live:
         assert kept
         return self.services.jobs.get(workspace, job.id)
 
-    def failed(self, failure: JobFailure, *, report: bool = True) -> Job:
-        """A job that failed."""
+    def failed(
+        self, failure: JobFailure, *, report: bool = True, left: Mapping[str, tuple[bytes, str, str]] | None = None
+    ) -> Job:
+        """A job that failed; left: name -> (bytes, media type, file name)."""
         job = self.running("shells")
-        outputs = {"report": self.stored(REPORT, "application/json", "report.json")} if report else {}
+        outputs = {name: self.stored(*told) for name, told in (left or {}).items()}
+        if report:
+            outputs["report"] = self.stored(REPORT, "application/json", "report.json")
         ended = self.services.jobs.fail(job.id, job.lease_token, failure, outputs=outputs, timings_s={"shells": 1.5})
         assert ended is not None
         return ended

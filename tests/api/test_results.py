@@ -194,6 +194,25 @@ def test_a_failed_job_still_has_its_report(api: Live) -> None:
     problem_of(api.client.get(f"/v1/jobs/{bare.id}/report"), 404, "job.no_report")
 
 
+def test_the_results_of_a_failed_job_tell_what_it_left(api: Live) -> None:
+    left = {"skin": (binary_stl(sphere(10.0, 1)), "model/stl", "skin.stl"), "steps": (b"{}", "application/json", "steps.json")}
+    failure = JobFailure.of(InputError("tissues.cross", "1 pair of tissues crosses", pairs=1))
+    job = api.failed(failure, left=left)
+    links = api.client.get(f"/v1/jobs/{job.id}").json()["links"]
+    (results,) = (link["href"] for link in links if link["rel"].endswith("/results"))
+    problem = problem_of(httpx.get(results), 422, "tissues.cross")
+    outputs = {name: (output["type"], output["title"]) for name, output in problem["outputs"].items()}
+    assert outputs == {**{name: told[1:] for name, told in left.items()}, "report": ("application/json", "report.json")}
+    items = {link["href"]: (link["type"], link["title"]) for link in links if link["rel"] == "item"}
+    assert items == {output["href"]: (output["type"], output["title"]) for output in problem["outputs"].values()}
+    assert httpx.get(problem["outputs"]["skin"]["href"]).content == left["skin"][0]
+    assert api.execute("validate", {"meshes": {"href": problem["outputs"]["skin"]["href"]}}).status_code == 201
+    refused = api.execute("validate", {"meshes": {"href": f"/v1/jobs/{job.id}/results/fat"}})
+    assert "failed" in problem_of(refused, 422, "reference.not_ready")["detail"]
+    bare = api.failed(failure, report=False)
+    assert problem_of(api.client.get(f"/v1/jobs/{bare.id}/results"), 422, "tissues.cross")["outputs"] == {}
+
+
 def test_an_unknown_output_is_named_with_those_there_are(api: Live) -> None:
     job = api.successful(OUTPUTS)
     for name in ("bone", "%2e%2e", "%00", "x" * 500):

@@ -125,6 +125,24 @@ def test_a_failed_job_without_report(state: State, skin: str, capsys: pytest.Cap
     assert json.loads(capsys.readouterr().out)["report"] is None
 
 
+def test_what_a_failed_job_left_is_told_and_fetched_where_it_was_asked_for(
+    state: State, skin: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = f"/v1/jobs/{JOB_ID}"
+    links = [{"rel": "item", "href": f"http://lab{path}/results/{name}", "type": "model/stl"} for name in ("skin", "steps")]
+    failure = {"code": "tissues.cross", "class": "input", "message": "they cross", "retryable": False}
+    end(state, "failed", verdict=None, failure=failure, links=[{"rel": "self", "href": f"http://lab{path}"}, *links])
+    state.files[f"{path}/results/steps"] = b"{}"
+    wanted = ["-o", str(tmp_path / "package.zip"), "--steps", str(tmp_path / "steps.json")]
+    assert main(["prepare", skin, *wanted, "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["files"] == {"steps": str(tmp_path / "steps.json")}
+    assert not (tmp_path / "package.zip").exists()
+    assert main(["report", JOB_ID]) == 1
+    assert f"left: skin, steps; fetch one with `integument download {JOB_ID} skin`" in " ".join(capsys.readouterr().err.split())
+    assert main(["job", JOB_ID]) == 0
+    assert "skin, steps" in capsys.readouterr().out
+
+
 def test_a_refusal_is_bad_input_and_names_the_places(state: State, skin: str, capsys: pytest.CaptureFixture[str]) -> None:
     state.faults["POST /v1/processes/shells/execution"].append(Refuse(422, "inputs.invalid"))
     assert main(["shells", skin]) == 2

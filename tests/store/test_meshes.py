@@ -10,7 +10,7 @@ from sqlalchemy import String
 from core.errors import InputError, LimitError, StateError
 from store.blobs import Blobs
 from store.database import Database
-from store.job import JobOutput
+from store.job import JobFailure, JobOutput
 from store.jobs import Jobs
 from store.local_blobs import LocalBlobs
 from store.mesh_inputs import MeshInputs
@@ -103,6 +103,17 @@ def test_a_link_to_a_result_is_bound_to_its_bytes(jobs: Jobs, blobs: Blobs, mesh
     job_id = finished_with(jobs, {"fat": JobOutput(blob.sha256, blob.size, "model/stl", "fat.stl")})
     mesh = mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/jobs/{job_id}/results/fat")
     assert (mesh.name, mesh.sha256, mesh.media_type, mesh.file_name) == ("fat", blob.sha256, "model/stl", "fat.stl")
+
+
+def test_what_a_failed_job_left_may_be_built_on_and_nothing_else(jobs: Jobs, blobs: Blobs, mesh_inputs: MeshInputs) -> None:
+    blob = blobs.put_bytes(b"solid skin")
+    job = claimed(jobs)
+    left = {"skin": JobOutput(blob.sha256, blob.size, "model/stl", "skin.stl")}
+    jobs.fail(job.id, job.lease_token, JobFailure.of(InputError("tissues.cross", "they cross")), outputs=left, timings_s={})
+    assert mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/jobs/{job.id}/results/skin").sha256 == blob.sha256
+    with pytest.raises(InputError, match="failed, it has no 'fat'") as caught:
+        mesh_inputs.resolve(DEFAULT_WORKSPACE, f"/v1/jobs/{job.id}/results/fat")
+    assert caught.value.code == "reference.not_ready"
 
 
 def test_a_package_is_one_and_a_mesh_is_none(jobs: Jobs, blobs: Blobs, mesh_inputs: MeshInputs) -> None:

@@ -56,10 +56,8 @@ def watch(session: Session, screen: Screen, view: ProgressView, job: Job) -> Job
 def conclude(session: Session, screen: Screen, job: Job, wanted: Wanted) -> ExitCode:
     """Fetch what is wanted of a finished job and show how it ended."""
     report = fetch_report(session, job)
-    files: dict[str, str] = {}
-    if job.status == "successful":
-        with_outputs = wanted.outputs.items()
-        files = {name: str(session.client.download(job, name, path)) for name, path in with_outputs}
+    there = {name: path for name, path in wanted.outputs.items() if job.status == "successful" or name in job.left}
+    files = {name: str(session.client.download(job, name, path)) for name, path in there.items()}
     if wanted.report_html is not None and report is not None:
         wanted.report_html.write_text(session.client.report_html(job), encoding="utf-8")
         files["report_html"] = str(wanted.report_html)
@@ -96,6 +94,8 @@ def _show(screen: Screen, job: Job, report: Report | None, files: Mapping[str, s
     if job.status == "failed":
         failure = job.failure
         screen.note(f"job {job.id} failed: {f'{failure.code}: {failure.message}' if failure else job.message or ''}")
+        if job.left:
+            screen.note(f"left: {', '.join(job.left)}; fetch one with `integument download {job.id} {next(iter(job.left))}`")
     elif job.status == "dismissed":
         screen.note(f"job {job.id} was dismissed")
     else:

@@ -50,6 +50,7 @@ def job_lines(job: Job) -> list[str]:
         "verdict": job.verdict,
         "summary": job.summary,
         "failure": failure,
+        "left": ", ".join(job.left),
     }
     return [f"{name:<15} {value}" for name, value in facts.items() if value not in (None, "")]
 
