@@ -66,6 +66,7 @@ PreferencesDep = Annotated[Preferences, Depends(preferences_of)]
 IdempotencyKey = Annotated[
     str | None, Header(alias="Idempotency-Key", description="Same key and request: done once, answered alike, for 24 h")
 ]
+KeepEnded = Annotated[bool, Query(description="Only take back what is live: what has ended meanwhile stays, with its results")]
 MostFaces = Annotated[
     int | None,
     Query(

@@ -136,15 +136,16 @@ class Cohorts:
             ids = session.scalars(_jobs_of(cohort_id)).all()
         return tuple(self._jobs.get(workspace, job_id) for job_id in ids)
 
-    def dismiss(self, workspace: WorkspaceId, cohort_id: str) -> Cohort | None:
+    def dismiss(self, workspace: WorkspaceId, cohort_id: str, *, keep_ended: bool = False) -> Cohort | None:
         """Take back what waits or runs, its summary included; if nothing does, remove the cohort with all its jobs: None.
+        With `keep_ended` it stays then.
 
         Every job is taken back by itself: one that just ends is left as it ended. Raises StateError `cohort.not_found`."""
         with self._db.reading() as session:
             row = _owned(session, workspace, cohort_id)
             everything = [*session.scalars(_jobs_of(cohort_id)), *([row.summary_job_id] if row.summary_job_id else ())]
             live = session.scalars(select(JobRow.id).where(JobRow.id.in_(everything), JobRow.status.in_(LIVE))).all()
-        if live:
+        if live or keep_ended:
             for job_id in live:
                 self._jobs.take_back(workspace, job_id)
             return self.get(workspace, cohort_id)

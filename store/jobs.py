@@ -127,18 +127,18 @@ class Jobs(Admission, Claims, Reconciliation):
         with self._db.reading() as session:
             return find_queue_position(session, workspace, job.id, job.queue, job.queued_at)
 
-    def dismiss(self, workspace: WorkspaceId, job_id: str) -> Job:
+    def dismiss(self, workspace: WorkspaceId, job_id: str, *, keep_ended: bool = False) -> Job:
         """Take a job back: one that waits at once, a running one as soon as its worker has killed it (`dismiss_requested`).
 
-        A finished one is removed, rows and events; its files go with the next sweep. Returns the job as the user should see it:
-        removed ones as `dismissed`. Raises StateError `job.not_found`."""
+        A finished one is removed, rows and events; its files go with the next sweep. With `keep_ended` it stays as it is.
+        Returns the job as the user should see it: removed ones as `dismissed`. Raises StateError `job.not_found`."""
         with self._db.session() as session:
             row = owned(session, workspace, job_id, lock=True)
             now = self._db.now(session)
             status = JobStatus(row.status)
             if not status.is_finished:
                 _take_back(session, row, now)
-            else:
+            elif not keep_ended:
                 job = replace(snapshot(row), status=JobStatus.DISMISSED, message="removed")
                 session.delete(row)
                 return job

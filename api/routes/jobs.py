@@ -13,7 +13,7 @@ from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.job_documents import describe_job, list_jobs
 from api.links import job_path
 from api.paging import add_next_link
-from api.parameters import Cursor, IdempotencyKey, JobId, PageLimit, PreferencesDep, TextFilter, split_commas
+from api.parameters import Cursor, IdempotencyKey, JobId, KeepEnded, PageLimit, PreferencesDep, TextFilter, split_commas
 from api.responses import problems
 from api.schemas.job import JobList, JobStatus, StatusInfo
 from api.schemas.job_words import LABELS_AT_MOST, JobWordsChange
@@ -107,10 +107,12 @@ async def relabel_job(
 
 
 @router.delete("/{job_id}", operation_id="dismissJob", response_model_exclude_none=True, responses=problems(404))
-async def dismiss_job(job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep) -> StatusInfo:
+async def dismiss_job(
+    job_id: JobId, request: Request, services: ServicesDep, workspace: WorkspaceDep, keep_ended: KeepEnded = False
+) -> StatusInfo:
     """Take a job back. A waiting one is dismissed at once; a running one is killed, and the answer waits a moment for that;
     a finished one is removed with its results."""
-    job = await run_in_threadpool(services.jobs.dismiss, workspace, job_id)
+    job = await run_in_threadpool(services.jobs.dismiss, workspace, job_id, keep_ended=keep_ended)
     if not job.status.is_finished:
         job = await wait_until(services, job, DISMISS_S, has_ended)
     return describe_job(request, job)

@@ -211,8 +211,8 @@ class Client(SurfaceProcesses, Preparation, CohortRequests):
         current = self.job(_id(job))
         if current.done:
             raise ArgumentError(f"job {current.id} is already {current.status}")
-        # not repeatable: a second DELETE would remove the job
-        response = self._transport.request("DELETE", f"/v1/jobs/{current.id}", repeatable=False)
+        # it may end just now; not repeatable: an older server does not know `keep_ended`, and would remove it
+        response = self._transport.request("DELETE", f"/v1/jobs/{current.id}?keep_ended=true", repeatable=False)
         return Job.read(read_json(response), "the dismissed job")
 
     def remove(self, job: Job | str) -> None:

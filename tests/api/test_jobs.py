@@ -244,6 +244,14 @@ def test_dismissing_a_finished_job_removes_it(api: Live) -> None:
         problem_of(api.client.get(f"/v1/jobs/{job.id}{path}"), 404, "job.not_found")
 
 
+def test_what_ended_meanwhile_stays_where_that_is_asked_for(api: Live) -> None:
+    job, waiting = api.successful(), api.accepted()
+    told = api.client.delete(f"/v1/jobs/{job.id}?keep_ended=true")
+    assert (told.status_code, told.json()["status"]) == (200, "successful")
+    assert api.client.get(f"/v1/jobs/{job.id}/results").status_code == 200
+    assert api.client.delete(f"/v1/jobs/{waiting.id}?keep_ended=true").json()["status"] == "dismissed"
+
+
 @pytest.mark.parametrize("make", [lambda api: api.failed(CRASHED), lambda api: dismissed(api)])
 def test_failed_and_dismissed_jobs_run_again_on_request(api: Live, make: Callable[[Live], Job]) -> None:
     job, key = make(api), str(uuid4())

@@ -33,7 +33,7 @@ function Body({ place }: { place: Place }) {
         <JobsPage place={place.query} key={place.query.get("label") ?? ""} />
       );
     case "cohorts":
-      return place.path[1] ? <CohortPage id={place.path[1]} /> : <CohortsPage />;
+      return place.path[1] ? <CohortPage id={place.path[1]} key={place.path[1]} /> : <CohortsPage />;
     case "compare":
       return <ComparePage a={place.query.get("a") ?? ""} b={place.query.get("b") ?? ""} />;
     default:
@@ -83,9 +83,9 @@ export function Page() {
       </header>
       <ServerBanner state={server} />
       <main ref={main} tabIndex={-1}>
-        <Body place={place} key={key.version} />
+        <Body place={place} />
       </main>
-      <DocumentationLink key={key.version} />
+      <DocumentationLink />
       <KeyDialog {...key} />
     </>
   );

@@ -1,4 +1,5 @@
 import { listJobs } from "./jobs";
+import { sendFormOnce, sendOnce } from "./once";
 import { type Page, upTo } from "./pages";
 import { ask, askJson, sendJson } from "./server";
 import type { Job, JobStatus, ResultReference } from "./types";
@@ -45,7 +46,7 @@ export async function cohortJobs(id: string, signal: AbortSignal): Promise<Job[]
 
 export function createCohort(settings: CohortSettings, meshes: string[]): Promise<Cohort> {
   const subjects = meshes.map((id) => ({ mesh: { href: `/v1/meshes/${id}` } }));
-  return sendJson("/v1/cohorts", { ...settings, subjects }, { "Idempotency-Key": crypto.randomUUID() });
+  return sendOnce("/v1/cohorts", { ...settings, subjects });
 }
 
 export function createCohortOfArchive(settings: CohortSettings, archive: File, unit: string): Promise<Cohort> {
@@ -53,15 +54,20 @@ export function createCohortOfArchive(settings: CohortSettings, archive: File, u
   form.set("unit", unit);
   form.set("cohort", JSON.stringify(settings));
   form.set("file", archive);
-  const headers = { "Idempotency-Key": crypto.randomUUID() };
-  return askJson("/v1/cohort-archives", { method: "POST", body: form, headers });
+  return sendFormOnce("/v1/cohort-archives", form);
 }
 
 export function retryCohort(id: string): Promise<Cohort> {
   return sendJson(`/v1/cohorts/${id}/retry`, {});
 }
 
+/** Takes back what waits or runs; a cohort that has ended meanwhile stays. */
 export async function dismissCohort(id: string): Promise<void> {
+  await ask(`/v1/cohorts/${id}?keep_ended=true`, { method: "DELETE" });
+}
+
+/** Takes a finished cohort away with its jobs and all they made. */
+export async function removeCohort(id: string): Promise<void> {
   await ask(`/v1/cohorts/${id}`, { method: "DELETE" });
 }
 

@@ -1,3 +1,4 @@
+import { sendOnce } from "./once";
 import { type Page, upTo } from "./pages";
 import { ask, askJson, sendJson } from "./server";
 import type { Job, Report, ResultReference } from "./types";
@@ -7,8 +8,7 @@ export function execute(
   inputs: Record<string, unknown>,
   words: { name?: string; labels?: string[] } = {},
 ): Promise<Job> {
-  const headers = { "Idempotency-Key": crypto.randomUUID() };
-  return sendJson<Job>(`/v1/processes/${process}/execution`, { inputs, ...words }, headers);
+  return sendOnce<Job>(`/v1/processes/${process}/execution`, { inputs, ...words });
 }
 
 export function getJob(id: string, signal?: AbortSignal): Promise<Job> {
@@ -33,8 +33,13 @@ export function relabelJob(id: string, name: string | null, labels: string[]): P
   });
 }
 
-/** Takes a live job back; removes a finished one with its results. */
+/** Takes a live job back; one that has ended meanwhile stays, with its results. */
 export async function dismissJob(id: string): Promise<void> {
+  await ask(`/v1/jobs/${id}?keep_ended=true`, { method: "DELETE" });
+}
+
+/** Takes a finished job away with its results. */
+export async function removeJob(id: string): Promise<void> {
   await ask(`/v1/jobs/${id}`, { method: "DELETE" });
 }
 
@@ -57,6 +62,17 @@ export function getInputs(id: string, signal?: AbortSignal): Promise<JobInputs> 
 
 export function getResults(id: string, signal?: AbortSignal): Promise<Record<string, ResultReference>> {
   return askJson(`/v1/jobs/${id}/results`, signal ? { signal } : {});
+}
+
+/** What came of a job that ended: its results, or what it left when it failed. */
+export async function getOutputs(job: Job, signal?: AbortSignal): Promise<Record<string, ResultReference>> {
+  return job.status === "successful" ? getResults(job.jobID, signal) : outputsLeft(job);
+}
+
+/** Name of output -> where it is, of a job that failed. */
+export function outputsLeft(job: Job): Record<string, ResultReference> {
+  const items = job.links.filter((link) => link.rel === "item");
+  return Object.fromEntries(items.map((link) => [link.href.slice(link.href.lastIndexOf("/") + 1), link]));
 }
 
 export function isOver(job: Job): boolean {

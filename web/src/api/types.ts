@@ -101,6 +101,11 @@ export interface Job {
   failure?: Failure;
   timings_s?: Record<string, number>;
   peakMemoryBytes?: number;
+  links: Link[];
+}
+
+export interface Link extends ResultReference {
+  rel: string;
 }
 
 export interface ResultReference {

@@ -21,8 +21,11 @@ export function sendFile(file: File, onProgress: (share: number) => void): Sendi
       chunkSize: PIECE_BYTES,
       retryDelays: PAUSES_MS,
       metadata: { filename: file.name },
-      headers: authorization(),
       removeFingerprintOnSuccess: true,
+      onBeforeRequest: (request) => {
+        // of now: the key may be another one by the next piece
+        for (const [name, value] of Object.entries(authorization())) request.setHeader(name, value);
+      },
       onProgress: (sent, total) => onProgress(total ? sent / total : 0),
       onSuccess: () => resolve(new URL(upload.url!, location.href).pathname),
       onError: (error) => reject(uploadError(error)),

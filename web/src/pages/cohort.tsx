@@ -1,8 +1,8 @@
-import { useEffect, useState } from "preact/hooks";
-import { type Cohort, cohortJobs, cohortResults, dismissCohort, getCohort, retryCohort } from "../api/cohorts";
-import type { Job } from "../api/types";
+import { useState } from "preact/hooks";
+import { cohortJobs, cohortResults, dismissCohort, getCohort, removeCohort, retryCohort } from "../api/cohorts";
 import { ConfirmedButton } from "../parts/confirmed_button";
 import { Failure } from "../parts/failure";
+import { usePolled } from "../parts/polled";
 import { saveFrom } from "../parts/save";
 import { StatusTag } from "../parts/status_tag";
 import { Verdict } from "../parts/verdict";
@@ -18,39 +18,19 @@ const FILES = [
 
 /** One cohort: a line per subject, and the summary when all have ended. */
 export function CohortPage({ id }: { id: string }) {
-  const [cohort, setCohort] = useState<Cohort | null>(null);
-  const [jobs, setJobs] = useState<Job[]>([]);
-  const [error, setError] = useState<unknown>(null);
-  const [turn, setTurn] = useState(0);
-  useEffect(() => {
-    const aborter = new AbortController();
-    let timer = 0;
-    const look = async () => {
-      let over = false;
-      try {
-        const now = await getCohort(id, aborter.signal);
-        setJobs(await cohortJobs(id, aborter.signal));
-        setCohort(now);
-        setError(null);
-        over = now.status === "finished";
-      } catch (reason) {
-        if (aborter.signal.aborted) return;
-        setError(reason);
-      }
-      if (!over) timer = window.setTimeout(look, LOOK_MS);
-    };
-    void look();
-    return () => {
-      aborter.abort();
-      clearTimeout(timer);
-    };
-  }, [id, turn]);
-  const act = async (action: () => Promise<unknown>, then = () => setTurn(turn + 1)) => {
+  const now = usePolled(
+    id,
+    async (signal) => ({ cohort: await getCohort(id, signal), jobs: await cohortJobs(id, signal) }),
+    ({ cohort }) => (cohort.status === "finished" ? null : LOOK_MS),
+  );
+  const [refused, setRefused] = useState<unknown>(null);
+  const act = async (action: () => Promise<unknown>, then = now.again) => {
+    setRefused(null);
     try {
       await action();
       then();
     } catch (reason) {
-      setError(reason);
+      setRefused(reason);
     }
   };
   const save = (name: string, fileName: string) =>
@@ -58,7 +38,8 @@ export function CohortPage({ id }: { id: string }) {
       const found = (await cohortResults(id))[name];
       if (found) await saveFrom(new URL(found.href).pathname, fileName);
     });
-  if (!cohort) return error ? <Failure error={error} /> : <p class="empty">Loading…</p>;
+  if (!now.value) return now.error ? <Failure error={now.error} again={now.again} /> : <p class="empty">Loading…</p>;
+  const { cohort, jobs } = now.value;
   const live = cohort.counts.accepted + cohort.counts.running;
   const failed = cohort.counts.failed + cohort.counts.dismissed;
   return (
@@ -81,7 +62,7 @@ export function CohortPage({ id }: { id: string }) {
               about="Remove the cohort with its results"
               onConfirmed={() =>
                 void act(
-                  () => dismissCohort(id),
+                  () => removeCohort(id),
                   () => goTo("#/cohorts"),
                 )
               }
@@ -89,7 +70,8 @@ export function CohortPage({ id }: { id: string }) {
           )}
         </div>
       </div>
-      {error ? <Failure error={error} /> : null}
+      {now.error ? <Failure error={now.error} again={now.again} /> : null}
+      {refused ? <Failure error={refused} /> : null}
       <section class="card stack" aria-label="Progress">
         <p aria-live="polite">
           {cohort.processID}: {cohort.ready} of {cohort.subjects} subjects are ready, {live} wait or run,{" "}

@@ -13,10 +13,10 @@ import { saySeconds, sayWhen } from "../words";
 /** One job: how it goes, and what came of it. */
 export function JobPage({ id }: { id: string }) {
   const { job, error, log, connected, again } = useLiveJob(id);
-  if (error) return <Failure error={error} again={again} />;
-  if (!job) return <p class="empty">Loading…</p>;
+  if (!job) return error ? <Failure error={error} again={again} /> : <p class="empty">Loading…</p>;
   return (
     <>
+      {error ? <Failure error={error} again={again} /> : null}
       <div class="heading">
         <div class="row">
           <h1>{job.processID}</h1>

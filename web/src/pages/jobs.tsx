@@ -1,10 +1,10 @@
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { isOver, listJobs } from "../api/jobs";
-import type { Page } from "../api/pages";
-import type { Job, JobStatus } from "../api/types";
+import type { JobStatus } from "../api/types";
 import { Failure } from "../parts/failure";
 import { JobWords } from "../parts/job_words";
 import { MoreButton } from "../parts/long_list";
+import { usePolled } from "../parts/polled";
 import { SearchBox, useSettled } from "../parts/search_box";
 import { StatusTag } from "../parts/status_tag";
 import { Verdict } from "../parts/verdict";
@@ -23,28 +23,13 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
   const search = useSettled("");
   const [label, setLabel] = useState(place.get("label") ?? "");
   const [count, setCount] = useState(FIRST);
-  const [page, setPage] = useState<Page<Job> | null>(null);
-  const [error, setError] = useState<unknown>(null);
   const [picked, setPicked] = useState<string[]>([]);
-  useEffect(() => {
-    const aborter = new AbortController();
-    let timer = 0;
-    const look = async () => {
-      try {
-        setPage(await listJobs(count, { status, q: search.settled, label }, aborter.signal));
-        setError(null);
-      } catch (reason) {
-        if (aborter.signal.aborted) return;
-        setError(reason);
-      }
-      timer = window.setTimeout(look, Math.max(LOOK_MS, LOOK_PER_JOB_MS * count));
-    };
-    void look();
-    return () => {
-      aborter.abort();
-      clearTimeout(timer);
-    };
-  }, [status, count, search.settled, label]);
+  const wanted = { status, q: search.settled, label };
+  const { value: page, error } = usePolled(
+    `${count} ${JSON.stringify(wanted)}`,
+    (signal) => listJobs(count, wanted, signal),
+    () => Math.max(LOOK_MS, LOOK_PER_JOB_MS * count),
+  );
   const found = page?.items ?? [];
   const narrowed = Boolean(search.settled || label || status);
   const waiting = found.filter((job) => job.status === "accepted");

@@ -107,7 +107,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
               <h2>1. Bring the skin</h2>
               <p class="muted">
                 A closed surface of a body or a head, as STL, MAT, PLY or OBJ, in any of four units; or labels of
-                tissues, as NIfTI.
+                tissues, as NIfTI or MGZ.
               </p>
             </li>
             <li class="card">

@@ -69,15 +69,16 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     change({ [name]: kindOf(one.schema) === "references" ? [{ href: wanted }] : { href: wanted } });
   }, [inputs, wanted]);
 
-  // the settings of an earlier job, to be changed
-  const like = query.get("like");
+  // the settings of an earlier job, to be changed: taken once, whatever is typed since stays
+  const like = query.get("like") ?? "";
+  const earlier = useLoaded(`inputs ${like}`, async (signal) => (like ? getInputs(like, signal) : null));
+  const taken = useRef("");
   useEffect(() => {
-    if (!like) return;
-    getInputs(like).then((asked) => {
-      setProcessId(asked.processID);
-      update(asked.inputs);
-    }, setError);
-  }, [like]);
+    if (!earlier.value || taken.current === like) return;
+    taken.current = like;
+    setProcessId(earlier.value.processID);
+    update(earlier.value.inputs);
+  }, [earlier.value]);
   const choose = (id: string, given: Record<string, unknown>, title: string) => {
     const kept = Object.fromEntries(Object.entries(newest.current).filter(([, value]) => hrefOf(value)));
     setProcessId(id);
@@ -198,8 +199,9 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             onChoose={choose}
           />
           {process.error ? <Failure error={process.error} again={process.again} /> : null}
+          {earlier.error ? <Failure error={earlier.error} again={earlier.again} /> : null}
           {meshes.error ? <Failure error={meshes.error} again={meshes.again} /> : null}
-          {process.loading && <p class="empty">Loading the form…</p>}
+          {!inputs && !process.error && <p class="empty">Loading the form…</p>}
           {(meshes.showMore || search.typed) && (
             <div class="card row">
               <SearchBox label="Search the meshes to choose from" search={search} />

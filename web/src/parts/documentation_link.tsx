@@ -1,5 +1,5 @@
-import { useEffect, useState } from "preact/hooks";
 import { askJson } from "../api/server";
+import { useLoaded } from "./loaded";
 
 interface Landing {
   links: { rel: string; href: string }[];
@@ -7,17 +7,11 @@ interface Landing {
 
 /** The foot of the page: the documentation, where this server has it; its landing document says so. */
 export function DocumentationLink() {
-  const [path, setPath] = useState("");
-  useEffect(() => {
-    const find = ({ links }: Landing) => {
-      const told = links.find(({ rel }) => rel === "service-doc");
-      if (told) setPath(new URL(told.href).pathname);
-    };
-    askJson<Landing>("/v1").then(find, () => setPath("")); // without an answer the page says elsewhere what is wrong
-  }, []);
-  return path ? (
+  const landing = useLoaded("landing", (signal) => askJson<Landing>("/v1", { signal }));
+  const told = landing.value?.links.find(({ rel }) => rel === "service-doc"); // who is not answered reads elsewhere why
+  return told ? (
     <footer class="foot">
-      <a href={path}>Documentation</a>
+      <a href={new URL(told.href).pathname}>Documentation</a>
     </footer>
   ) : null;
 }

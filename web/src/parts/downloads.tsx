@@ -6,7 +6,7 @@ import { saveFrom } from "./save";
 
 const INLINE = ["report", "report_html"];
 
-/** Package, report and every file by itself. */
+/** Package, report and every file by itself; of a job that failed what its steps left. */
 export function Downloads(props: { job: Job; results: Record<string, ResultReference> | null; hasReport: boolean }) {
   const { job, results, hasReport } = props;
   const [busy, setBusy] = useState("");
@@ -30,7 +30,7 @@ export function Downloads(props: { job: Job; results: Record<string, ResultRefer
   if (!hasReport && files.length === 0 && !pack) return null;
   return (
     <section class="card stack" aria-label="Downloads">
-      <h2>Files</h2>
+      <h2>{job.status === "failed" ? "Files that are left" : "Files"}</h2>
       <div class="row">
         {pack && (
           <button

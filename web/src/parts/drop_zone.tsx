@@ -1,6 +1,6 @@
 import { useRef, useState } from "preact/hooks";
 
-const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz,.msh,.csv,.tsv,.txt,.dat,.ccd,.tcd";
+const KINDS = ".stl,.mat,.ply,.obj,.nii,.nii.gz,.gz,.mgz,.mgh,.msh,.csv,.tsv,.txt,.dat,.ccd,.tcd";
 
 /** Where files land: by dragging, or by the usual dialog. */
 export function DropZone({
@@ -41,7 +41,7 @@ export function DropZone({
           Choose files…
         </button>
         <span class="muted">
-          or drop them: STL, MAT, PLY, OBJ, NIfTI, fields, coils{archives && ", or one zip of them"}
+          or drop them: STL, MAT, PLY, OBJ, NIfTI, MGZ, fields, coils{archives && ", or one zip of them"}
         </span>
       </div>
       <input

@@ -1,8 +1,11 @@
-import { messageOf, ServerError } from "../api/server";
+import { isOfEarlierKey, messageOf, ServerError } from "../api/server";
+import { useKeyCount } from "./key_count";
 import { wantKey } from "./key_dialog";
 
 /** An error as people read it: what happened, its stable code, and what can be done from here. */
 export function Failure({ error, again }: { error: unknown; again?: (() => void) | undefined }) {
+  useKeyCount();
+  if (isOfEarlierKey(error)) return null;
   const problem = error instanceof ServerError ? error.problem : null;
   return (
     <div class="note bad stack" role="alert">

@@ -1,5 +1,5 @@
 import { useState } from "preact/hooks";
-import { dismissJob, isOver, retryJob } from "../api/jobs";
+import { dismissJob, isOver, removeJob, retryJob } from "../api/jobs";
 import type { Job } from "../api/types";
 import { ConfirmedButton } from "./confirmed_button";
 import { Failure } from "./failure";
@@ -45,7 +45,7 @@ export function JobActions({ job, onChanged, onGone }: { job: Job; onChanged: ()
             label="Remove with its results"
             about="Remove with its results"
             disabled={busy}
-            onConfirmed={() => void act(() => dismissJob(job.jobID), onGone)}
+            onConfirmed={() => void act(() => removeJob(job.jobID), onGone)}
           />
         )}
       </div>

@@ -10,7 +10,6 @@ export function wantKey(): void {
 
 export function useKeyDialog() {
   const [shown, setShown] = useState(false);
-  const [version, setVersion] = useState(0);
   const open = () => setShown(true);
   useEffect(() => {
     addEventListener(KEY_WANTED, open);
@@ -18,12 +17,9 @@ export function useKeyDialog() {
   }, []);
   const close = (key: string | null) => {
     setShown(false);
-    if (key !== null) {
-      setApiKey(key);
-      setVersion(version + 1); // everything is asked again with it
-    }
+    if (key !== null) setApiKey(key);
   };
-  return { shown, open, close, version };
+  return { shown, open, close };
 }
 
 export function KeyDialog({ shown, close }: { shown: boolean; close: (key: string | null) => void }) {

@@ -1,7 +1,9 @@
 import { useEffect, useState } from "preact/hooks";
 import { followJob } from "../api/events";
 import { getJob, isOver } from "../api/jobs";
+import { isPassing } from "../api/server";
 import type { Job } from "../api/types";
+import { useKeyCount } from "./key_count";
 
 export interface LogLine {
   at: string;
@@ -17,23 +19,24 @@ export interface LiveJob {
 }
 
 const MOST_LINES = 400;
+const AGAIN_MS = 2000;
 
-/** A job as it goes on: its events one by one, through restarts of the server. */
+/** A job as it goes on: its events one by one, through restarts of the server. What was seen stays where it cannot go on. */
 export function useLiveJob(id: string): LiveJob {
   const [job, setJob] = useState<Job | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [log, setLog] = useState<LogLine[]>([]);
   const [connected, setConnected] = useState(true);
   const [turn, setTurn] = useState(0);
+  const keys = useKeyCount();
   useEffect(() => {
     const aborter = new AbortController();
-    setJob(null);
-    setLog([]);
-    setError(null);
-    void (async () => {
+    let timer = 0;
+    const follow = async () => {
       try {
-        const first = await getJob(id, aborter.signal);
-        setJob(first);
+        setJob(await getJob(id, aborter.signal));
+        setError(null);
+        setLog([]); // all of it is told again
         await followJob(
           id,
           ({ type, data }) => {
@@ -46,12 +49,18 @@ export function useLiveJob(id: string): LiveJob {
         );
         setJob(await getJob(id, aborter.signal));
       } catch (reason) {
-        if (!aborter.signal.aborted) setError(reason);
+        if (aborter.signal.aborted) return;
+        setError(reason);
+        if (isPassing(reason)) timer = window.setTimeout(follow, AGAIN_MS);
       }
-    })();
-    return () => aborter.abort();
-  }, [id, turn]);
-  return { job, error, log, connected, again: () => setTurn(turn + 1) };
+    };
+    void follow();
+    return () => {
+      aborter.abort();
+      clearTimeout(timer);
+    };
+  }, [id, turn, keys]);
+  return { job: job?.jobID === id ? job : null, error, log, connected, again: () => setTurn(turn + 1) };
 }
 
 /** Events tell what changed; a status that says the job is over is believed only of the job itself. */

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { getInputs, getReport, getResults } from "../api/jobs";
-import { messageOf } from "../api/server";
+import { getInputs, getOutputs, getReport } from "../api/jobs";
+import { messageOf, ServerError } from "../api/server";
 import type { Finding, Job, Report, ResultReference } from "../api/types";
 import { makeTree } from "../mesh/workshop";
 import { tissueColours } from "../tissues";
@@ -8,6 +8,7 @@ import type { Clip, Field, Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import { ClipControl } from "./clip_control";
 import { Downloads } from "./downloads";
+import { Failure } from "./failure";
 import { type FieldChoice, makeField } from "./field_choice";
 import { FieldControl } from "./field_control";
 import { Findings } from "./findings";
@@ -30,13 +31,13 @@ function surfaceIsShown(name: string, looks: Looks): boolean {
 /** What came of a job: its surfaces, cut open and coloured as one likes, its findings, numbers and files. */
 export function ResultView({ job }: { job: Job }) {
   const report = useLoaded<Report | null>(`report ${job.jobID}`, (signal) => getReport(job.jobID, signal));
-  const results = useLoaded<Record<string, ResultReference>>(`results ${job.jobID}`, async (signal) =>
-    job.status === "successful" ? getResults(job.jobID, signal) : {},
+  const results = useLoaded<Record<string, ResultReference>>(`results ${job.jobID} ${job.links.length}`, (signal) =>
+    getOutputs(job, signal),
   );
   const inputs = useLoaded(`inputs ${job.jobID}`, (signal) => getInputs(job.jobID, signal));
   const hrefs = useMemo(
-    () => (results.loading || inputs.loading ? {} : shownMeshes(results.value, inputs.value?.inputs ?? null)),
-    [results.value, results.loading, inputs.value, inputs.loading],
+    () => (results.value && inputs.value ? shownMeshes(results.value, inputs.value.inputs) : {}),
+    [results.value, inputs.value],
   );
   const triangles = useTriangles(hrefs);
   const [looks, setLooks] = useState<Looks>({});
@@ -110,8 +111,9 @@ export function ResultView({ job }: { job: Job }) {
   };
   const look = (name: string, part: Looks[string]) => setLooks({ ...looks, [name]: { ...looks[name], ...part } });
   const bounds = names[0] ? triangles.meshes[names[0]]! : null;
-  const loading =
-    names.length === 0 && (results.loading || inputs.loading || (triangles.loading && !triangles.failure));
+  const known = results.value !== null && inputs.value !== null;
+  const loading = names.length === 0 && (!known || (triangles.loading && !triangles.failure));
+  const refused = results.error ?? inputs.error ?? (isMissing(report.error) ? null : report.error);
   return (
     <div class="bench result">
       <div class="view stack">
@@ -129,6 +131,7 @@ export function ResultView({ job }: { job: Job }) {
           />
           {beside && <Beside surfaces={surfaces} clip={clip} markers={markers} leader={viewer} />}
         </div>
+        {refused ? <Failure error={refused} again={() => [report, results, inputs].map((one) => one.again())} /> : null}
         <ThinnedNote meshes={Object.values(triangles.meshes)} />
         {job.summary && <p>{job.summary}</p>}
         {report.value && <Numbers report={report.value} />}
@@ -164,6 +167,11 @@ export function ResultView({ job }: { job: Job }) {
       </div>
     </div>
   );
+}
+
+/** A job that never came far has no report. */
+function isMissing(error: unknown): boolean {
+  return error instanceof ServerError && error.status === 404;
 }
 
 /** A second view that moves with the first one, of a surface of one's choice. */

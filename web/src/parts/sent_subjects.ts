@@ -1,13 +1,17 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { deleteMesh } from "../api/meshes";
+import { isOfEarlierKey, isPassing } from "../api/server";
 import type { MeshInfo, Unit } from "../api/types";
 import { makeMesh, type Sending, sendFile } from "../api/uploads";
+import { useKeyCount } from "./key_count";
 import { isArchive, type Subject } from "./subject";
 
+const AGAIN_MS = 5000;
 const AT_ONCE = 2; // more lines do not make the network faster, and the server reads few files at a time
 
 /** The subjects of a cohort: files are sent a few at a time, and read as soon as their unit is known. */
 export function useSubjects(unit: Unit | "") {
+  const keys = useKeyCount();
   const [subjects, setSubjects] = useState<Subject[]>([]);
   const busy = useRef(new Map<number, Sending | null>());
   const last = useRef(0);
@@ -38,9 +42,14 @@ export function useSubjects(unit: Unit | "") {
     [],
   );
 
+  // what was refused for want of a key, or found no server, is tried again
+  const forgive = (which: (error: unknown) => boolean) =>
+    setSubjects((all) => all.map((one) => (which(one.error) ? { ...one, error: undefined } : one)));
+  useEffect(() => forgive(isOfEarlierKey), [keys]);
   const finish = (number: number, part: Partial<Subject>) => {
     busy.current.delete(number);
     change(number, part);
+    if (isPassing(part.error)) setTimeout(() => forgive(isPassing), AGAIN_MS);
   };
   const add = (more: Omit<Subject, "number" | "share">[]) =>
     setSubjects((all) => [...all, ...more.map((one) => ({ ...one, number: ++last.current, share: 0 }))]);

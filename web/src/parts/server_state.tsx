@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { ask, ServerError } from "../api/server";
+import { ask, SERVER_AWAY, ServerError } from "../api/server";
 
 /** What stands in the way of work, in words; empty if nothing does. */
 export interface ServerState {
@@ -32,15 +32,27 @@ export function useServerState(): ServerState {
   useEffect(() => {
     let timer = 0;
     let gone = false;
+    let fine = true;
     const look = async () => {
+      clearTimeout(timer);
       const found = await findServerState();
       if (gone) return;
+      fine = found.severity === "none";
       setState(found);
-      timer = window.setTimeout(look, found.severity === "none" ? LOOK_MS : LOOK_AGAIN_MS);
+      timer = window.setTimeout(look, fine ? LOOK_MS : LOOK_AGAIN_MS);
+    };
+    // others may notice it first
+    const lookNow = () => {
+      if (fine) {
+        fine = false;
+        void look();
+      }
     };
     void look();
+    addEventListener(SERVER_AWAY, lookNow);
     return () => {
       gone = true;
+      removeEventListener(SERVER_AWAY, lookNow);
       clearTimeout(timer);
     };
   }, []);

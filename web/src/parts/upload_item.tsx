@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { isOfEarlierKey, isPassing } from "../api/server";
 import type { MeshInfo, Unit } from "../api/types";
 import { makeMesh, type Sending, sendFile } from "../api/uploads";
 import type { FileKind, ReadMesh } from "../mesh/worker";
@@ -6,6 +7,7 @@ import { readMesh } from "../mesh/workshop";
 import { doubtUnit, sayLength, suggestUnit, toMm, UNIT_NAMES, UNITS } from "../units";
 import { sayBytes, sayCount } from "../words";
 import { Failure } from "./failure";
+import { useKeyCount } from "./key_count";
 
 /** A mesh read by the browser, before the server has it. */
 export interface Local {
@@ -15,6 +17,7 @@ export interface Local {
 
 const READ_HERE: readonly string[] = ["stl", "obj"];
 const READ_HERE_BYTES = 300e6;
+const AGAIN_MS = 5000;
 
 /** One file on its way: it is sent while its unit is asked for, and shown as soon as the browser has read it. */
 export function UploadItem(props: {
@@ -30,7 +33,7 @@ export function UploadItem(props: {
   const [extents, setExtents] = useState<number[] | null>(null);
   const [faces, setFaces] = useState(0);
   // the header of a volume tells its unit
-  const [unit, setUnit] = useState<Unit | "">(/\.nii(\.gz)?$/i.test(file.name) ? "mm" : "");
+  const [unit, setUnit] = useState<Unit | "">(/\.(nii(\.gz)?|mgz|mgh(\.gz)?)$/i.test(file.name) ? "mm" : "");
   const [making, setMaking] = useState(false);
   const [turn, setTurn] = useState(0);
   const sending = useRef<Sending | null>(null);
@@ -71,9 +74,22 @@ export function UploadItem(props: {
     setError(null);
     const one = sendFile(file, setShare);
     sending.current = one;
-    one.done.then(setPath, (reason) => reason?.name !== "AbortError" && setError(reason));
-    return () => one.stop();
+    let timer = 0;
+    one.done.then(setPath, (reason) => {
+      if (reason?.name === "AbortError") return;
+      setError(reason);
+      if (isPassing(reason)) timer = window.setTimeout(() => setTurn((turn) => turn + 1), AGAIN_MS);
+    });
+    return () => {
+      clearTimeout(timer);
+      one.stop();
+    };
   }, [file, turn]);
+
+  const keys = useKeyCount();
+  useEffect(() => {
+    if (!path && isOfEarlierKey(error)) setTurn(turn + 1); // goes on where it was
+  }, [keys]);
 
   const make = async () => {
     if (!unit) return;
