@@ -8,7 +8,8 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import BOX_FORM, read_box, read_depths, read_layers
+from integument.cli.layer_inputs import read_layer_inputs
+from integument.cli.layer_text import BOX_FORM, read_box
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
@@ -29,7 +30,6 @@ from integument.cli.options import (
 )
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
-from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 
 AUTO = "auto"
@@ -63,21 +63,18 @@ def ears(
 ) -> None:
     """Build nested shells that are thinner in the ears, and cut ear canals."""
     options = options_of(ctx)
-    inputs: dict[str, Any] = {"thin_policy": thin_policy, "ears": read_ears(boxes or [AUTO])}
-    if generate_canals:
-        inputs["generate_canals"] = {}
-    if layer or outer_layer:
-        inputs["layers"] = read_layers(outer_layer or (), layer or ())
-    if ear_depth:
-        inputs["ear_depths_mm"] = read_depths(ear_depth, "--ear-depth")
-    if blend is not None:
-        inputs["blend_mm"] = blend
-    if min_gap is not None:
-        inputs["min_gap_mm"] = min_gap
-    if skin_shift is not None:
-        inputs["skin_shift_mm"] = skin_shift
-    if conductivity:
-        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
+    inputs = read_layer_inputs(
+        layer=layer,
+        outer_layer=outer_layer,
+        ear_depth=ear_depth,
+        blend=blend,
+        thin_policy=thin_policy,
+        min_gap=min_gap,
+        skin_shift=skin_shift,
+        conductivity=conductivity,
+        generate_canals=generate_canals,
+    )
+    inputs["ears"] = read_ears(boxes or [AUTO])
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]

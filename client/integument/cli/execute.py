@@ -11,7 +11,7 @@ import typer
 
 from integument.cli.app import options_of
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import read_layers, read_region
+from integument.cli.layer_inputs import read_layer_inputs
 from integument.cli.mesh_argument import name_meshes, require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
@@ -29,7 +29,6 @@ from integument.cli.options import (
 )
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
-from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 
 
@@ -56,17 +55,15 @@ def shells(
 ) -> None:
     """Build nested shells inside a skin, proven free of intersections."""
     options = options_of(ctx)
-    inputs: dict[str, Any] = {"thin_policy": thin_policy}
-    if layer or outer_layer:
-        inputs["layers"] = read_layers(outer_layer or (), layer or ())
-    if region:
-        inputs["regions"] = [read_region(text).as_input() for text in region]
-    if min_gap is not None:
-        inputs["min_gap_mm"] = min_gap
-    if skin_shift is not None:
-        inputs["skin_shift_mm"] = skin_shift
-    if conductivity:
-        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
+    inputs = read_layer_inputs(
+        layer=layer,
+        outer_layer=outer_layer,
+        region=region,
+        thin_policy=thin_policy,
+        min_gap=min_gap,
+        skin_shift=skin_shift,
+        conductivity=conductivity,
+    )
     wanted = Wanted({} if output is None else {"package": output}, report)
     wanted.require_room()
     require_mesh(skin)

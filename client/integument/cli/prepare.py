@@ -10,14 +10,8 @@ import typer
 from integument.cli.app import options_of
 from integument.cli.ears import read_ears
 from integument.cli.job_run import Wanted, run_to_end
-from integument.cli.layer_text import (
-    BOX_FORM,
-    read_box,
-    read_depths,
-    read_layers,
-    read_region,
-    read_volumes,
-)
+from integument.cli.layer_inputs import read_layer_inputs
+from integument.cli.layer_text import BOX_FORM, read_box, read_volumes
 from integument.cli.mesh_argument import require_mesh
 from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
@@ -40,7 +34,7 @@ from integument.cli.options import (
 )
 from integument.cli.process_command import add_process_command
 from integument.cli.session import connect
-from integument.cli.tissue_text import read_conductivities, read_pairs
+from integument.cli.tissue_text import read_pairs
 from integument.errors import ArgumentError
 
 TISSUE_FORM = "NAME=MESH"
@@ -126,7 +120,18 @@ def prepare(
         raise ArgumentError("--decimate and --faces both say how far to thin out; give one")
     if not separate and tissue_gap is not None:
         raise ArgumentError("--tissue-gap does not go with --no-separate")
-    inputs: dict[str, Any] = {"thin_policy": thin_policy}
+    inputs = read_layer_inputs(
+        layer=layer,
+        outer_layer=outer_layer,
+        region=region,
+        ear_depth=ear_depth,
+        blend=blend,
+        thin_policy=thin_policy,
+        min_gap=min_gap,
+        skin_shift=skin_shift,
+        conductivity=conductivity,
+        generate_canals=generate_canals,
+    )
     inputs |= {name: None for name, asked in (("heal", heal), ("separate", separate), ("tetrahedra", tetrahedra)) if not asked}
     if detach:
         inputs["detach"] = {"regions": [read_box(text, "--detach") for text in detach]}
@@ -138,25 +143,14 @@ def prepare(
         inputs["decimate"] = {"target_ratio": ratio} if faces is None else {"target_faces": faces}
     if boxes:
         inputs["ears"] = read_ears(boxes)
-    if generate_canals:
-        inputs["generate_canals"] = {}
-    if layer or outer_layer:
-        inputs["layers"] = read_layers(outer_layer or (), layer or ())
-    if ear_depth:
-        inputs["ear_depths_mm"] = read_depths(ear_depth, "--ear-depth")
-    if region:
-        inputs["regions"] = [read_region(text).as_input() for text in region]
-    asked = _tetrahedra(mesher, radius_edge, max_volume or [])
-    numbers = {"blend_mm": blend, "min_gap_mm": min_gap, "skin_shift_mm": skin_shift, "tetrahedra": asked or None}
-    inputs |= {name: value for name, value in numbers.items() if value is not None}
+    if asked := _tetrahedra(mesher, radius_edge, max_volume or []):
+        inputs["tetrahedra"] = asked
     files = {"package": output, "vtu" if volume and volume.suffix == ".vtu" else "msh": volume, "steps": record}
     wanted = Wanted({name: path for name, path in files.items() if path is not None}, report)
     wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]
     tissues = {name: require_mesh(mesh) for name, mesh in read_pairs(tissue or (), "--tissue", TISSUE_FORM).items()}
     about = _about_tissues(tissues, inside or [])
-    if conductivity:
-        inputs["conductivities_s_per_m"] = read_conductivities(conductivity)
     require_mesh(skin)
     with connect(options) as session:
         view = options.progress_view()
