@@ -134,7 +134,7 @@ class SurfaceProcesses(ABC):
         on_event: OnEvent | None = None,
         **inputs: Any,
     ) -> Job:
-        """Closed surfaces of the labels of a volume (NIfTI): outputs `package`, and each surface under its name.
+        """Closed surfaces of the labels of a volume (NIfTI, MGZ): outputs `package`, and each surface under its name.
 
         names: label -> name of its surface, labels of one name become one; none: all labels, as label_<number>.
         """

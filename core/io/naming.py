@@ -14,6 +14,14 @@ def clean_name(raw: bytes | str, fallback: str = "") -> str:
     return " ".join(printable.split())[:LONGEST_NAME].strip() or fallback
 
 
+def stem_of(file_name: str, endings: Iterable[str]) -> str:
+    """A file's name without the longest of the endings, and as it is without any of them."""
+    for ending in sorted(endings, key=len, reverse=True):
+        if file_name.lower().endswith(ending):
+            return file_name[: -len(ending)]
+    return file_name
+
+
 def make_unique(names: Iterable[str]) -> list[str]:
     """The same names, repeated ones numbered: a, a -> a, a_2."""
     taken: set[str] = set()

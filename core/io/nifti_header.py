@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import InputError, LimitError
+from core.errors import InputError
+from core.io.voxels import require_size
 
 SIZES = {348: 1, 540: 2}
 MAGIC_1 = b"n+1\0"
@@ -30,7 +31,6 @@ TYPES: dict[int, str] = {
 }
 MM_PER_CODE = {1: 1000.0, 2: 1.0, 3: 0.001}
 LARGEST_OFFSET = 16 << 20  # bytes of extensions between header and voxels
-MOST_VOXELS = 1 << 27  # 512 x 512 x 512
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,7 +62,7 @@ def read_header(head: bytes) -> NiftiHeader:
     """`head` has the size that `size_of_header` told.
 
     Raises: InputError `nifti.header`, `nifti.pair`, `nifti.dimensions`, `nifti.datatype`, `nifti.unit`; LimitError
-    `nifti.too_large`.
+    `volume.too_large`.
     """
     order = "<" if int.from_bytes(head[:4], "little") in SIZES else ">"
     first = int.from_bytes(head[:4], "little" if order == "<" else "big") == 348
@@ -116,15 +116,9 @@ def _shape(dim: tuple[int, ...]) -> tuple[int, int, int]:
             f"the volume has {' x '.join(str(side) for side in dim[1 : count + 1])} values; a label volume has three dimensions",
             dimensions=count,
         )
-    voxels = math.prod(sides[:3])
-    if voxels > MOST_VOXELS:
-        raise LimitError(
-            "nifti.too_large",
-            f"{voxels} voxels are more than {MOST_VOXELS}; take a coarser volume",
-            voxels=voxels,
-            most=MOST_VOXELS,
-        )
-    return sides[0], sides[1], sides[2]
+    shape = (sides[0], sides[1], sides[2])
+    require_size(shape)
+    return shape
 
 
 def _offset(start: float, least: int) -> int:

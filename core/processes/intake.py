@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from core.geometry.normals import face_areas
 from core.io import canonical
 from core.io.naming import clean_name
-from core.io.nifti import is_nifti
 from core.io.reading import Intake, NamedMesh
 from core.io.registry import read_meshes
 from core.io.unit import require_unit
+from core.io.volume import find_volume_format
 from core.io.welding import weld
 from core.mesh import Mesh
 from core.processes.field_intake import is_coil, is_field, take_in_coil, take_in_field
@@ -22,7 +22,7 @@ from core.processes.volume_intake import take_in_volume
 from core.schema.finding import Finding, Severity
 
 MOST_NAMES_SHOWN = 20
-OTHERS = ((is_nifti, take_in_volume), (is_field, take_in_field), (is_coil, take_in_coil))
+OTHERS = ((find_volume_format, take_in_volume), (is_field, take_in_field), (is_coil, take_in_coil))
 """What else than a surface an upload may be: how it is known, and who takes it in."""
 
 

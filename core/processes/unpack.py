@@ -7,8 +7,8 @@ from typing import Any
 from zipfile import ZipFile
 
 from core.errors import InputError, LimitError
-from core.io.naming import clean_name, make_unique
-from core.io.nifti import EXTENSIONS as VOLUMES
+from core.io.naming import clean_name, make_unique, stem_of
+from core.io.volume import EXTENSIONS as VOLUMES
 from core.package.entries import BROKEN, open_zip, unpack
 
 MESHES = (".stl", ".mat", ".ply", ".obj")
@@ -32,7 +32,7 @@ def run(payload: dict[str, Any], channel: object) -> dict[str, Any]:
             wanted, ignored = _choose(archive, endings)
             _require_some(wanted, shown, endings)
             _require_bounds(archive, wanted, shown, payload["most"], payload["most_bytes"])
-            names = make_unique(clean_name(_stem(name, endings), "subject") for name in wanted)
+            names = make_unique(clean_name(stem_of(PurePosixPath(name).name, endings), "subject") for name in wanted)
             files = [
                 _unpack(archive, entry, name, Path(payload["out_dir"]) / str(number))
                 for number, (entry, name) in enumerate(zip(wanted, names, strict=True))
@@ -56,12 +56,6 @@ def _choose(archive: ZipFile, endings: tuple[str, ...]) -> tuple[list[str], list
     names = [name for name in names if not name.startswith("__MACOSX/")]
     wanted = [name for name in names if name.lower().endswith(endings)]
     return wanted, [clean_name(name) for name in names if name not in set(wanted)]
-
-
-def _stem(name: str, endings: tuple[str, ...]) -> str:
-    """Of a file, without the ending that made it one of the wanted."""
-    last = PurePosixPath(name).name
-    return next(last[: -len(ending)] for ending in sorted(endings, key=len, reverse=True) if last.lower().endswith(ending))
 
 
 def _require_some(wanted: list[str], shown: str, endings: tuple[str, ...]) -> None:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from core.io.canonical_volume import save_volume
 from core.io.extents import check_extents
-from core.io.naming import clean_name
-from core.io.nifti import read_volume
+from core.io.naming import clean_name, stem_of
 from core.io.unit import Unit
+from core.io.volume import EXTENSIONS, read_volume
 from core.label_volume import LabelVolume
 
 FACES_PER_SIDE = 6  # of the first surface, measured on spheres, for each side of a voxel between a label and nothing
@@ -22,16 +22,16 @@ SHARED = 1.5  # a side between two labels has one surface where one encloses the
 
 def take_in_volume(path: Path, file_name: str, unit: Unit, out_dir: Path) -> dict[str, Any]:
     """As `intake.run` of a mesh, with "volume": {"voxels", "voxel_mm", "affine", "labels": [{"label", "voxels", "volume_mm3"}],
-    "expected_faces"}; vertices and faces are 0. Raises: as `core.io.nifti.read_volume`."""
-    volume, findings = read_volume(path, unit)
-    name = clean_name(Path(Path(file_name).stem).stem, "volume")  # without .nii.gz
+    "expected_faces"}; vertices and faces are 0. Raises: as `core.io.volume.read_volume`."""
+    volume, findings, kind = read_volume(path, unit, file_name)
+    name = clean_name(stem_of(Path(file_name).name, EXTENSIONS), "volume")
     target = out_dir / "0.mesh"
     save_volume(volume, target)
     extents = _extents_mm(volume)
     noticed = (*findings, *check_extents(extents, unit, name))
     mesh = {"name": name, "path": str(target), "vertices": 0, "faces": 0, "extents_mm": extents.tolist(), "arrays": []}
     return {
-        "format": "nifti",
+        "format": kind,
         "meshes": [mesh],
         "findings": [finding.model_dump(mode="json") for finding in noticed],
         "volume": {

@@ -55,7 +55,7 @@ def _upload_href(formats: str, media_type: str) -> Any:
 class VolumeReference(MeshReference):
     """A link to a label volume this server holds."""
 
-    href: str = _upload_href("nifti", VOLUME_MEDIA_TYPE)
+    href: str = _upload_href("nifti or mgh", VOLUME_MEDIA_TYPE)
 
 
 class FieldReference(MeshReference):

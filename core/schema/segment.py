@@ -83,7 +83,7 @@ class SegmentParameters(FrozenModel):
 class SegmentInputs(ConductivityInputs, SegmentParameters):
     """A volume of labels, and what becomes of it."""
 
-    volume: VolumeReference = Field(description="An uploaded label volume (NIfTI)")
+    volume: VolumeReference = Field(description="An uploaded label volume (NIfTI, MGZ)")
     min_gap_mm: float = Field(
         0.1, gt=0, le=10, description="Smallest distance between two surfaces; at most a quarter of the smallest side of a voxel"
     )

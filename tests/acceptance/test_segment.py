@@ -1,4 +1,4 @@
-"""Labels of voxels over HTTP: uploaded as NIfTI, made into nested surfaces, filled with tetrahedra."""
+"""Labels of voxels over HTTP: uploaded as NIfTI or MGZ, made into nested surfaces, filled with tetrahedra."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from core.geometry.exact_intersection import find_intersecting_faces
 from tests.acceptance.service import Service, unpack_shells
+from tests.core.io.mgh_bytes import mgh
 from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.segmentation.labelled_solids import centred, oblique, side_by_side, spheres
 
@@ -48,6 +49,19 @@ def test_labels_that_lie_side_by_side_become_shells(service: Service) -> None:
     assert service.report(job)["nesting"] == {"label_1": None, "label_2": "label_1", "label_3": "label_2"}
 
 
+def test_labels_of_freesurfer_become_surfaces_where_its_header_says(service: Service) -> None:
+    volume = spheres((6.0, 4.0), centred(6.0, (1.0, 1.0, 1.0)))
+    href = service.upload_file(packed(mgh(volume.labels, middle=(30.0, -20.0, 10.0))), "aparc+aseg.mgz", "mm")
+    told = service.http.get(href).json()
+    assert (told["format"], told["name"]) == ("mgh", "aparc+aseg")
+    job = service.execute("segment", {"volume": {"href": href}})
+    assert service.succeed(job)["verdict"] == "simulation_ready"
+    skin = unpack_shells(service.result(job, "package"))["label_1"]
+    middle = (skin.vertices.min(axis=0) + skin.vertices.max(axis=0)) / 2
+    # the ball's middle is half a voxel before that of the volume, along i, j and k
+    assert middle == pytest.approx(np.array([30.5, -20.5, 10.5]), abs=0.1)
+
+
 def test_a_volume_is_no_mesh_and_a_mesh_no_volume(service: Service, labels: str, skin: str) -> None:
     def refused(process: str, inputs: object) -> str:
         reply = service.http.post(f"/v1/processes/{process}/execution", json={"inputs": inputs})
@@ -73,11 +87,13 @@ def test_outputs_are_known_where_names_are(service: Service, labels: str) -> Non
 @pytest.mark.parametrize(
     ("content", "code"),
     [
-        (nifti(two_boxes() * np.float32(0.5), AFFINE), "nifti.not_integer"),
+        (nifti(two_boxes() * np.float32(0.5), AFFINE), "volume.not_integer"),
         (nifti(np.ones((3, 3, 3, 2), dtype=np.uint8), AFFINE), "nifti.dimensions"),
         (nifti(np.ones((1, 1, 1), dtype=np.uint8), AFFINE), "volume.one_voxel"),
-        (packed(nifti(two_boxes(), AFFINE))[:-5], "nifti.truncated"),
-        (b"\x1f\x8b" + bytes(100), "nifti.truncated"),
+        (packed(nifti(two_boxes(), AFFINE))[:-5], "volume.truncated"),
+        (b"\x1f\x8b" + bytes(100), "volume.truncated"),
+        (packed(mgh(two_boxes(), frames=4)), "mgh.frames"),
+        (packed(mgh(two_boxes(), shape=(9999, 9999, 9999))), "volume.too_large"),
     ],
 )
 def test_what_holds_no_labels_is_refused_by_name(service: Service, content: bytes, code: str) -> None:

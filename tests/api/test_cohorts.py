@@ -137,6 +137,7 @@ def test_a_cohort_is_dismissed_and_then_removed(live: Live, hrefs: list[str]) ->
     path = sent(live, hrefs).headers["Location"]
     assert live.client.delete(path).json()["counts"]["dismissed"] == 3
     assert live.client.delete(path).json()["status"] == "finished", "its summary waited"
+    assert live.client.delete(path, params={"keep_ended": True}).json()["status"] == "finished", "it stays"
     assert live.client.delete(path).status_code == 202
     problem_of(live.client.get(path), 404, "cohort.not_found")
 
@@ -218,7 +219,7 @@ def test_an_archive_for_segment_is_taken_by_its_label_volumes(live: Live) -> Non
     volume = packed(nifti(two_boxes()))
     files = {"a/Ella.nii.gz": volume, "b/Duke.NII": nifti(two_boxes()), "torn.nii.gz": volume[:40], "skin.stl": binary_stl()}
     told = archived(live, zipped(files), process="segment", inputs={"names": {"1": "head"}}).json()
-    assert [(one["subject"], one["code"]) for one in told["refused"]] == [("torn", "nifti.truncated")]
+    assert [(one["subject"], one["code"]) for one in told["refused"]] == [("torn", "volume.truncated")]
     assert [job["subject"] for job in jobs_of(live, told["id"])] == ["Ella", "Duke"]
     told = problem_of(archived(live, zipped({"skin.stl": binary_stl()}), process="segment"), 422, "archive.empty")
     assert ".nii.gz" in told["detail"]

@@ -11,10 +11,10 @@ from pathlib import Path
 from core.errors import InputError, LimitError
 from core.io.ccd import read_ccd
 from core.io.msh import read_msh
-from core.io.nifti import read_volume
 from core.io.registry import read_meshes
 from core.io.tcd import read_tcd
 from core.io.text_table import read_table
+from core.io.volume import read_volume
 from core.mesh import Mesh
 from core.package.read import read_package
 
@@ -43,12 +43,12 @@ def read_upload(data: bytes, extension: str) -> None:
             raise AssertionError("the reader made something else than a mesh")
 
 
-def read_labels(data: bytes) -> None:
-    """As an upload called labels.nii.gz."""
+def read_labels(data: bytes, name: str) -> None:
+    """As an upload of that name."""
     path = folder() / "volume"
     path.write_bytes(data)
     with suppress(InputError, LimitError):
-        volume, _findings = read_volume(path, "mm")
+        volume, _findings, _format = read_volume(path, "mm", name)
         if not volume.counts():
             raise AssertionError("a volume without labels was let through")
 
@@ -76,7 +76,8 @@ READERS: dict[str, Target] = {
     "ply": partial(read_upload, extension="ply"),
     "obj": partial(read_upload, extension="obj"),
     "unnamed": partial(read_upload, extension=""),
-    "nifti": read_labels,
+    "nifti": partial(read_labels, name="labels.nii.gz"),
+    "mgh": partial(read_labels, name="labels.mgz"),
     "msh": partial(read_source, read=partial(read_msh, unit="mm")),
     "tcd": partial(read_source, read=read_tcd),
     "ccd": partial(read_source, read=read_ccd),

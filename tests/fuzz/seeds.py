@@ -22,6 +22,7 @@ from core.package.archive import EARLIEST_DATE
 from core.package.manifest import FILE_NAME, Manifest, TissueEntry
 from subjects.figure_eight import figure_eight, write_ccd
 from tests.core.io import matlab_bytes as craft
+from tests.core.io.mgh_bytes import mgh
 from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
 from tests.core.io.tiny import TETRAHEDRON
@@ -121,6 +122,11 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
         lambda: nifti(two_boxes(), np.diag([2.0, -1.0, 3.0, 1.0])),
         lambda: packed(nifti(two_boxes().astype("i4"), np.eye(4), version=2, order=">", slope=2.0)),
         lambda: nifti(two_boxes().astype("f4"), quaternion=(0.5, 0.5, 0.5, 1.0, 2.0, 3.0), units=0),
+    ),
+    "mgh": (
+        lambda: mgh(two_boxes(), sides=(1.0, 2.0, 3.0), middle=(4.0, 5.0, 6.0), tail=bytes(20)),
+        lambda: packed(mgh(two_boxes().astype("f4"))),
+        lambda: mgh(two_boxes().astype("i2"), placed=0),
     ),
     "msh": (
         lambda: msh("gmsh22", binary=True),

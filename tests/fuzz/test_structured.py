@@ -14,6 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.core.io import matlab_bytes as craft
+from tests.core.io import mgh_bytes
+from tests.core.io.mgh_bytes import mgh
 from tests.core.io.nifti_bytes import CODES, nifti, packed, two_boxes
 from tests.core.io.stl_bytes import binary_stl
 from tests.core.io.tiny import TETRAHEDRON
@@ -176,7 +178,51 @@ def test_nifti(
             pixdim=tuple(places[-4:]),
         )
         data = data[: len(data) - cut]
-        read_labels(packed(data) if pack else data)
+        read_labels(packed(data) if pack else data, "labels.nii.gz")
+
+
+@BRIEF
+@given(
+    kind=st.sampled_from(sorted(mgh_bytes.CODES)),
+    version=st.sampled_from([1, 2, 0x201, -1]),
+    shape=st.none() | st.tuples(*[st.sampled_from([-1, 0, 1, 2, 5, 6, 7, 255, 32767, 2**31 - 1])] * 3),
+    frames=st.sampled_from([1, 0, 2, -5]),
+    code=st.none() | st.integers(-1, 12),
+    placed=st.integers(-1, 2),
+    sides=st.tuples(numbers, numbers, numbers),
+    axes=st.lists(numbers, min_size=9, max_size=9).map(tuple) | st.just(mgh_bytes.CORONAL),
+    middle=st.tuples(numbers, numbers, numbers),
+    pack=st.booleans(),
+    cut=st.integers(0, 60),
+)
+def test_mgh(
+    kind: str,
+    version: int,
+    shape: tuple[int, int, int] | None,
+    frames: int,
+    code: int | None,
+    placed: int,
+    sides: tuple[float, ...],
+    axes: tuple[float, ...],
+    middle: tuple[float, ...],
+    pack: bool,
+    cut: int,
+) -> None:
+    with np.errstate(all="ignore"):
+        single = [tuple(float(np.float32(number)) for number in each) for each in (sides, axes, middle)]
+        data = mgh(
+            two_boxes().astype(kind),
+            sides=single[0],
+            axes=single[1],
+            middle=single[2],
+            version=version,
+            shape=shape,
+            frames=frames,
+            code=code,
+            placed=placed,
+        )
+        data = data[: len(data) - cut]
+        read_labels(packed(data) if pack else data, "labels.mgz")
 
 
 @BRIEF

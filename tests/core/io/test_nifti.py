@@ -12,7 +12,8 @@ import pytest
 
 from core.errors import InputError, InternalError, LimitError
 from core.io.canonical_volume import load_volume, save_volume
-from core.io.nifti import MOST_LABELS, is_nifti, read_volume
+from core.io.volume import find_volume_format, read_volume
+from core.io.voxels import MOST_LABELS
 from core.label_volume import LabelVolume
 from tests.core.io.nifti_bytes import CODES, nifti, packed, two_boxes
 
@@ -33,7 +34,7 @@ def test_labels_of_every_type_come_back(kind: str, version: int, order: str, pac
     assert np.array_equal(volume.labels, two_boxes())
     assert volume.counts() == {1: 8, 7: 6}
     assert volume.affine == pytest.approx(OBLIQUE, rel=1e-6)
-    assert is_nifti(tmp_path / "upload")
+    assert find_volume_format(tmp_path / "upload") == "nifti"
 
 
 def test_values_are_scaled_before_they_are_labels(tmp_path: Path) -> None:
@@ -41,7 +42,7 @@ def test_values_are_scaled_before_they_are_labels(tmp_path: Path) -> None:
     assert read(nifti(two_boxes(), OBLIQUE, slope=math.nan, intercept=3.0), tmp_path).counts() == {1: 8, 7: 6}
     with pytest.raises(InputError) as error:
         read(nifti(two_boxes(), OBLIQUE, slope=0.5, intercept=0.0), tmp_path)
-    assert error.value.code == "nifti.not_integer"
+    assert error.value.code == "volume.not_integer"
 
 
 def test_a_quaternion_places_voxels(tmp_path: Path) -> None:
@@ -54,9 +55,9 @@ def test_a_quaternion_places_voxels(tmp_path: Path) -> None:
 def test_without_any_place_the_size_of_voxels_counts_and_it_is_said(tmp_path: Path) -> None:
     path = tmp_path / "upload"
     path.write_bytes(nifti(two_boxes(), pixdim=(1.0, 0.5, 1.0, 2.0), units=0, tail=b"more"))
-    volume, findings = read_volume(path, "cm")
+    volume, findings, _name = read_volume(path, "cm")
     assert np.diag(volume.affine) == pytest.approx([5.0, 10.0, 20.0, 1.0])
-    assert [finding.code for finding in findings] == ["nifti.not_oriented", "nifti.unit_unknown", "nifti.bytes_after"]
+    assert [finding.code for finding in findings] == ["volume.not_oriented", "nifti.unit_unknown", "volume.bytes_after"]
 
 
 @pytest.mark.parametrize(("units", "scale"), [(1, 1000.0), (2, 1.0), (3, 0.001), (2 | 8, 1.0)])
@@ -70,11 +71,11 @@ REFUSED: dict[str, tuple[str, bytes]] = {
     "negative side": ("nifti.dimensions", nifti(two_boxes(), OBLIQUE, dim=(3, 5, -6, 7))),
     "one voxel": ("volume.one_voxel", nifti(np.ones((1, 1, 1), dtype=np.uint8), OBLIQUE)),
     "a sheet": ("volume.one_voxel", nifti(np.ones((4, 4, 1), dtype=np.uint8), OBLIQUE)),
-    "fractions": ("nifti.not_integer", nifti(two_boxes() * np.float32(0.5), OBLIQUE)),
-    "not a number": ("nifti.not_integer", nifti(np.where(two_boxes() == 7, np.float32(np.nan), np.float32(1)), OBLIQUE)),
-    "negative": ("nifti.label_range", nifti(-two_boxes().astype(np.int16), OBLIQUE)),
-    "too high": ("nifti.label_range", nifti(two_boxes().astype(np.int32) * 10_000, OBLIQUE)),
-    "a picture": ("nifti.not_labels", nifti(np.arange(12**3, dtype=np.int16).reshape(12, 12, 12), OBLIQUE)),
+    "fractions": ("volume.not_integer", nifti(two_boxes() * np.float32(0.5), OBLIQUE)),
+    "not a number": ("volume.not_integer", nifti(np.where(two_boxes() == 7, np.float32(np.nan), np.float32(1)), OBLIQUE)),
+    "negative": ("volume.label_range", nifti(-two_boxes().astype(np.int16), OBLIQUE)),
+    "too high": ("volume.label_range", nifti(two_boxes().astype(np.int32) * 10_000, OBLIQUE)),
+    "a picture": ("volume.not_labels", nifti(np.arange(12**3, dtype=np.int16).reshape(12, 12, 12), OBLIQUE)),
     "nothing": ("volume.no_labels", nifti(np.zeros((4, 4, 4), dtype=np.uint8), OBLIQUE)),
     "flat affine": ("volume.affine_singular", nifti(two_boxes(), np.diag([1.0, 1.0, 0.0, 1.0]))),
     "parallel axes": ("volume.affine_singular", nifti(two_boxes(), [[1, 1, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])),
@@ -85,10 +86,10 @@ REFUSED: dict[str, tuple[str, bytes]] = {
     "pair": ("nifti.pair", nifti(two_boxes(), OBLIQUE, magic=b"ni1\0")),
     "mark": ("nifti.header", nifti(two_boxes(), OBLIQUE, magic=b"nope")),
     "offset": ("nifti.header", nifti(two_boxes(), OBLIQUE, offset=20)),
-    "cut off": ("nifti.truncated", nifti(two_boxes(), OBLIQUE)[:-1]),
-    "header only": ("nifti.truncated", nifti(two_boxes(), OBLIQUE)[:300]),
-    "packed, cut off": ("nifti.truncated", packed(nifti(two_boxes(), OBLIQUE))[:-9]),
-    "packed, damaged": ("nifti.truncated", packed(nifti(two_boxes(), OBLIQUE))[:-8] + bytes(8)),
+    "cut off": ("volume.truncated", nifti(two_boxes(), OBLIQUE)[:-1]),
+    "header only": ("volume.truncated", nifti(two_boxes(), OBLIQUE)[:300]),
+    "packed, cut off": ("volume.truncated", packed(nifti(two_boxes(), OBLIQUE))[:-9]),
+    "packed, damaged": ("volume.truncated", packed(nifti(two_boxes(), OBLIQUE))[:-8] + bytes(8)),
 }
 
 
@@ -109,13 +110,13 @@ def test_absurd_dimensions_are_refused_before_memory_is_asked_for(tmp_path: Path
     bomb = nifti(two_boxes(), OBLIQUE, dim=(3, 32767, 32767, 32767))
     with pytest.raises(LimitError) as error:
         read(bomb, tmp_path)
-    assert error.value.code == "nifti.too_large"
+    assert error.value.code == "volume.too_large"
 
 
 def test_a_unit_that_the_header_denies_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         read(nifti(two_boxes(), OBLIQUE), tmp_path, "m")
-    assert error.value.code == "nifti.unit_differs"
+    assert error.value.code == "volume.unit_differs"
 
 
 def test_the_stored_form_keeps_every_number_and_tells_damage(tmp_path: Path) -> None:
