@@ -98,7 +98,7 @@ def _open(originals: Mapping[str, Mesh], relations: Relations, inputs: SeparateI
             break
         finer = refine_stuck(tissues, left, gap_mm, came) if refinement < MOST_REFINEMENTS else {}
         if not finer:
-            raise no_room(tissues, left, relations, inputs)
+            raise no_room(tissues, originals, left, relations, inputs)
         surfaces |= finer
         run.log(
             "finer where they stay too close: " + ", ".join(f"{name} {len(mesh.faces)} faces" for name, mesh in finer.items())

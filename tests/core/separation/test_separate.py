@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.errors import InputError
+from core.geometry.bisection import halve_longest_edges, longest_edges
 from core.geometry.exact_intersection import find_intersecting_faces, find_intersecting_faces_between
 from core.mesh import Mesh
 from core.schema.separate import SeparateInputs
+from core.separation import separate as module
 from core.separation.separate import Separation, separate
 from core.validation.validate import validate
 from tests.solids import cube, sphere, together
@@ -118,9 +120,12 @@ def test_what_is_apart_is_not_touched() -> None:
     assert not any(tissue.shift_mm.any() for tissue in result.tissues.values())
 
 
-def plate() -> Mesh:
-    """40 x 40 x 2 mm, 12 faces."""
-    return cube(1.0).with_vertices(cube(1.0).vertices * (40.0, 40.0, 2.0))
+def plate(finest_mm: float = 60.0) -> Mesh:
+    """40 x 40 x 2 mm, 12 faces or with no edge longer than that."""
+    vertices, faces = cube(1.0).vertices * (40.0, 40.0, 2.0), cube(1.0).faces
+    while (long := longest_edges(vertices, faces) > finest_mm).any():
+        vertices, faces = halve_longest_edges(vertices, faces, long)
+    return Mesh.of(vertices, faces)
 
 
 PRESSED = {"plate": plate(), "up": sphere(6.0, 3, at=(12.0, 12.0, 6.8)), "down": sphere(6.0, 3, at=(28.0, 28.0, -4.8))}
@@ -134,6 +139,27 @@ def test_faces_too_large_to_bend_are_halved_where_it_matters() -> None:
     assert np.array_equal(made.original.vertices[:8], PRESSED["plate"].vertices)
     assert made.original.faces.shape == made.mesh.faces.shape
     assert all(result.tissues[name].faces_added == 0 for name in ("up", "down"))
+
+
+def test_the_refusal_tells_the_edge_that_would_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_REFINEMENTS", 0)
+    error = refusal(PRESSED, fixed=["up", "down"])
+    assert error.code == "separate.no_room"
+    needed = float(error.facts["edge_needed_mm"])
+    # each ball reaches 1 mm less the height of its facets into the plate, over a cap 6.6 mm wide
+    assert 2.0 < needed < 6.6
+    assert f"edges of at most {needed:.2g} mm" in error.message
+    assert "0.96 mm deep in one another with edges up to 56.6 mm" in error.findings[0].message
+    result = separated({**PRESSED, "plate": plate(finest_mm=needed)}, fixed=["up", "down"])
+    require_apart(result)
+    assert result.tissues["plate"].faces_added == 0
+
+
+def test_no_edge_is_named_where_faces_are_not_what_stands_in_the_way() -> None:
+    fine = {"a": sphere(5.0, 4), "b": sphere(5.0, 4, at=(9.0, 0.3, 0.1))}
+    error = refusal(fine, fixed=["a", "b"])
+    assert "edge_needed_mm" not in error.facts
+    assert "edges" not in error.message
 
 
 def test_same_input_same_bytes() -> None:
