@@ -9,6 +9,8 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
+from core.errors import InputError
+from store.job import JobFailure
 from store.settings import Settings
 from tests.acceptance.service import binary_stl
 from tests.api.live import serving
@@ -60,6 +62,32 @@ def test_steps_and_tissues_are_sent_as_chosen_and_come_back(tmp_path: Path, shar
         page.goto(f"/#/new?like={job}")
         expect(page.get_by_label("Name of tissue 1")).to_have_value("heart")
         expect(using.nth(0)).not_to_be_checked()
+
+
+def test_what_a_failed_job_left_is_shown_and_can_be_fetched(tmp_path: Path, shared_valkey: ValkeyServer) -> None:
+    settings = Settings(data_dir=tmp_path, broker_url=shared_valkey.url, queue="tests-page-left", port=0)
+    left = {
+        "skin": (binary_stl(sphere(50.0, 2)), "model/stl", "skin.stl"),
+        "fat": (binary_stl(sphere(49.0, 2)), "model/stl", "fat.stl"),
+        "steps": (b"{}", "application/json", "steps.json"),
+    }
+    with serving(settings) as live, chromium() as browser, visit(browser, live.url) as seen:
+        failure = JobFailure.of(InputError("tissues.cross", "1 pair of tissues crosses", pairs=1))
+        job = live.failed(failure, report=False, left=left)
+        page = seen.page
+        page.goto(f"/#/jobs/{job.id}")
+        expect(page.get_by_text("1 pair of tissues crosses")).to_be_visible()
+        files = page.get_by_role("region", name="Downloads")
+        with page.expect_download() as fetched:
+            files.get_by_role("button", name="fat", exact=True).click()
+        assert fetched.value.path().read_bytes() == left["fat"][0]
+        expect(files.get_by_role("button", name="steps", exact=True)).to_be_visible()
+        expect(page.get_by_role("region", name="View").get_by_text("skin", exact=True)).to_be_visible()
+        seen.drawn()
+        seen.picture("job-left")
+        assert seen.barriers() == []
+        files.get_by_role("link", name="New job with skin").click()
+        expect(page.get_by_role("button", name="Start the job")).to_be_enabled()
 
 
 def pull_top(page: Page, drawn: Callable[[], None], *, by_mm: float) -> None:
