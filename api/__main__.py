@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import socket
 import sys
 from collections.abc import Callable
 from types import FrameType
@@ -14,6 +15,7 @@ from api.app import create_app
 from api.binding import require_allowed_binding
 from api.guarded_connection import guarded_connections
 from core.errors import IntegumentError
+from sandbox.frozen_heap import freeze_heap
 from sandbox.log_lines import configure_logging
 from sandbox.survey import survey_confinement
 from store.redaction import Redaction
@@ -29,6 +31,10 @@ class DrainingServer(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, begin_drain: Callable[[], None]) -> None:
         super().__init__(config)
         self._begin_drain = begin_drain
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        freeze_heap()
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         self._begin_drain()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import gc
 import logging
 import os
 import signal
@@ -12,6 +11,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from sandbox.apprentice import Step, fork_apprentice
+from sandbox.frozen_heap import freeze_heap
 from sandbox.kernel_cache import KernelNotKeptError, kept_kernels_only
 from sandbox.visible_files import known_files
 
@@ -81,7 +81,6 @@ def settle_memory() -> None:
     """Before a fork: what is loaded stays where it is; what is free goes back to the kernel, so that there is less to copy."""
     known_files.cache_clear()
     known_files()
-    gc.collect()
+    freeze_heap()  # and keeps the collector of every child from copying our pages
     with suppress(AttributeError):  # glibc alone has it
         ctypes.CDLL(None).malloc_trim(0)
-    gc.freeze()  # keeps the collector of every child from copying our pages

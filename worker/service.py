@@ -10,6 +10,7 @@ from celery.apps import worker as celery_worker
 from celery.signals import worker_ready, worker_shutting_down
 
 from core.errors import IntegumentError
+from sandbox.frozen_heap import freeze_heap
 from store.checkpointer import Checkpointer
 from store.metrics import Metrics
 from store.periodic import Periodic
@@ -65,6 +66,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
             one.start()
         if settings.callback_secret:  # else the API takes no subscribers
             deliverer.start()
+        freeze_heap()
         logger.info("worker %s is ready, %d jobs at a time", workshop.name, settings.worker_concurrency)
 
     def on_stop(**_: Any) -> None:
