@@ -34,20 +34,26 @@ class PartialFile:
 
     def append(self, piece: bytes) -> None:
         """Raises LimitError `storage.full`."""
-        view = memoryview(piece)
-        try:
-            while view:
-                written = os.pwrite(self._handle, view, self.size)
-                self.size += written
-                view = view[written:]
-        except OSError as error:
-            if error.errno in _NO_ROOM:
-                raise LimitError("storage.full", f"The disk is full after {self.size} bytes of the upload") from error
-            raise
+        write_at(self._handle, piece, self.size)
+        self.size += len(piece)
 
     def sync(self) -> None:
         """Only after this may anybody be told that the bytes are here."""
         os.fdatasync(self._handle)
+
+
+def write_at(handle: int, piece: bytes, place: int) -> None:
+    """All of it, into an open file. Raises LimitError `storage.full`."""
+    view = memoryview(piece)
+    try:
+        while view:
+            written = os.pwrite(handle, view, place)
+            place += written
+            view = view[written:]
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise LimitError("storage.full", f"The disk is full after {place} bytes of the upload") from error
+        raise
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import closing
 
 from starlette.concurrency import run_in_threadpool
 
@@ -40,9 +41,9 @@ class Receiving:
                         f"Upload-Offset is {offset}, the server has {upload.received} bytes",
                         received=upload.received,
                     )
-                target = upload_target(self._services, self._workspace, upload, file)
-                await run_in_threadpool(target.begin)
-                return await self._receive(target, upload)
+                with closing(upload_target(self._services, self._workspace, upload, file)) as target:
+                    await run_in_threadpool(target.begin)
+                    return await self._receive(target, upload)
         except IntegumentError:
             await self._body.drain()
             raise
@@ -64,13 +65,12 @@ class Receiving:
                     if keeping is not None:
                         await keeping
                     begun_at = target.received
-                    keeping = asyncio.create_task(run_in_threadpool(target.keep))
-                    if not target.keeps_beside:
-                        await keeping
+                    keeping = asyncio.create_task(run_in_threadpool(target.seal()))
         except InputError:  # the client went away: what came counts, unless it was to be checked
+            if keeping is not None:
+                await keeping  # what lies behind bytes that were lost does not count
             if digest is None:
-                await _done(keeping)
-                await run_in_threadpool(target.keep)
+                await run_in_threadpool(target.seal())
             raise
         finally:
             await _done(keeping)  # before anybody closes the file
@@ -78,7 +78,7 @@ class Receiving:
             await keeping
         if self._checksum is not None and digest is not None:
             self._checksum.require(digest)
-        return await run_in_threadpool(target.keep)
+        return await run_in_threadpool(target.seal())
 
 
 async def _done(task: asyncio.Task[Upload] | None) -> None:

@@ -34,6 +34,10 @@ class Blobs(Protocol):
         Raises LimitError `storage.full`, InternalError `blob.not_a_file`, OSError if it cannot be read."""
         ...
 
+    def put_open(self, file: BinaryIO) -> Blob:
+        """Copy a file of our own in, all of it. Raises LimitError `storage.full`."""
+        ...
+
     def put_bytes(self, data: bytes) -> Blob:
         """Store bytes. Raises LimitError `storage.full`."""
         ...
@@ -94,3 +98,8 @@ def require_digest(sha256: str) -> str:
 def is_missing(sha256: str) -> InternalError:
     """The failure that tells of a blob nobody can find."""
     return InternalError("blob.missing", f"blob {sha256} is not in the store", sha256=sha256)
+
+
+def is_corrupt(sha256: str) -> InternalError:
+    """The failure that tells of a blob that is not what its name says."""
+    return InternalError("blob.corrupt", f"the object store holds other bytes as blob {sha256}", sha256=sha256)

@@ -36,6 +36,11 @@ class LocalBlobs:
         with open_regular_file(path) as file:
             return self.put_stream(file.read)
 
+    def put_open(self, file: BinaryIO) -> Blob:
+        """As `Blobs` says."""
+        file.seek(0)
+        return self.put_stream(file.read)
+
     def put_bytes(self, data: bytes) -> Blob:
         """As `Blobs` says."""
         return self.put_stream(io.BytesIO(data).read)

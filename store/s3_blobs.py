@@ -7,7 +7,6 @@ import hashlib
 from collections.abc import Container, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
-from io import BufferedReader
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
 from uuid import uuid4
@@ -19,7 +18,7 @@ from botocore.config import Config
 from botocore.exceptions import BotoCoreError, ClientError
 
 from core.errors import InternalError, LimitError
-from store.blobs import CHUNK_BYTES, Blob, is_missing, require_digest
+from store.blobs import CHUNK_BYTES, Blob, is_corrupt, is_missing, require_digest
 from store.regular_file import open_regular_file
 from store.s3_place import S3Place
 from store.sweep_lock import SweepLock
@@ -52,9 +51,20 @@ class S3Blobs:
         self._transfer = TransferConfig(multipart_threshold=PART_BYTES, multipart_chunksize=PART_BYTES, max_concurrency=2)
 
     def put_file(self, path: Path) -> Blob:
-        """As `Blobs` says; a large file goes in parts."""
+        """As `Blobs` says."""
         with open_regular_file(path) as file:
-            return self._put(file)
+            return self.put_open(file)
+
+    def put_open(self, file: BinaryIO) -> Blob:
+        """As `Blobs` says; a large file goes in parts."""
+        file.seek(0)
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()  # type: ignore[arg-type]  # any that is read into a buffer
+        blob = Blob(sha256, file.tell())
+        if not self._has(blob):
+            file.seek(0)
+            with _translated(sha256):
+                self._client.upload_fileobj(file, self._place.bucket, self._key(sha256), Config=self._transfer)
+        return blob
 
     def put_bytes(self, data: bytes) -> Blob:
         """As `Blobs` says."""
@@ -63,15 +73,6 @@ class S3Blobs:
         if not self._has(blob):
             with _translated(sha256):
                 self._client.put_object(Bucket=self._place.bucket, Key=self._key(sha256), Body=data)
-        return blob
-
-    def _put(self, file: BufferedReader) -> Blob:
-        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-        blob = Blob(sha256, file.tell())
-        if not self._has(blob):
-            file.seek(0)
-            with _translated(sha256):
-                self._client.upload_fileobj(file, self._place.bucket, self._key(sha256), Config=self._transfer)
         return blob
 
     def _has(self, blob: Blob) -> bool:
@@ -118,7 +119,7 @@ class S3Blobs:
             raise
         if digest.hexdigest() != sha256:
             path.unlink()
-            raise InternalError("blob.corrupt", f"the object store holds other bytes as blob {sha256}", sha256=sha256)
+            raise is_corrupt(sha256)
         return path
 
     def link(self, sha256: str, disposition: str, media_type: str) -> str | None:

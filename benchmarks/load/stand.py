@@ -25,7 +25,7 @@ UNLIMITED = {"INTEGUMENT_QUOTA_JOBS": "0", "INTEGUMENT_RATE_PER_S": "0"}
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """A server that answers at `url`, and its processes."""
+    """A server that answers at `url`, and its processes. blobs_url: of its object store, if it has one."""
 
     url: str
     headers: dict[str, str]
@@ -33,6 +33,7 @@ class Stand:
     api: psutil.Process
     workers: tuple[psutil.Process, ...]
     others: tuple[psutil.Process, ...]
+    blobs_url: str = ""
 
     @contextmanager
     def workers_at_rest(self) -> Iterator[None]:
@@ -107,4 +108,4 @@ def _lab(folder: Path, settings: dict[str, str], hosts: int) -> Iterator[Stand]:
             child for child in psutil.Process().children() if child.pid not in known and child.cmdline()[1:3] == ["-m", "api"]
         )
         servers = tuple(psutil.Process(one.process.pid) for one in (postgres, valkey, seaweed) if one.process is not None)
-        yield Stand(there.url, {"Authorization": f"Bearer {there.key}"}, folder, api, workers, servers)
+        yield Stand(there.url, {"Authorization": f"Bearer {there.key}"}, folder, api, workers, servers, blobs_url)

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import timedelta
 from pathlib import Path
+from typing import BinaryIO
 
 import httpx
 import pytest
 
 from api import request_body, upload_target
+from core.errors import InternalError
+from store.blobs import Blob
 from store.database import Database
 from store.records import UploadPartRow, UploadRow
 from store.references import References
 from store.settings import Settings
 from tests.api.live import Live, serving
-from tests.api.test_resumable import begun, code_of, received, send
+from tests.api.test_resumable import PIECE, begun, code_of, received, send
 from tests.seaweed import SeaweedServer
 
 
@@ -82,10 +86,52 @@ def test_a_long_request_is_kept_in_parts(pair: list[Live], stl: bytes, monkeypat
         one.client.patch(
             upload,
             content=pieces(),
-            headers={"Tus-Resumable": "1.0.0", "Content-Type": "application/offset+octet-stream", "Upload-Offset": "0"},
+            headers={**PIECE, "Upload-Offset": "0"},
         )
     assert send(two, upload, len(stl) - 10, stl[-10:]).status_code == 204
     assert one.client.post(f"{upload}/mesh").json()["sha256"] == hashlib.sha256(stl).hexdigest()
+
+
+def test_bytes_behind_a_part_that_was_lost_do_not_count(pair: list[Live], stl: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The store refuses the second part while the third comes in."""
+    monkeypatch.setattr(upload_target.StoredParts, "kept_every_bytes", 50)
+    monkeypatch.setattr(request_body, "PIECE_BYTES", 50)
+    one, _ = pair
+    upload, blobs = begun(one, len(stl), filename="skin.stl"), one.services.blobs
+    put, sizes = blobs.put_open, []
+
+    def put_open(file: BinaryIO) -> Blob:
+        sizes.append(os.fstat(file.fileno()).st_size)
+        if len(sizes) == 2:
+            raise InternalError("blobs.unavailable", "the object store does not answer")
+        return put(file)
+
+    monkeypatch.setattr(blobs, "put_open", put_open)
+
+    def pieces() -> Iterator[bytes]:
+        for number, start in enumerate((0, 60, 120)):
+            deadline = time.monotonic() + 20
+            while len(sizes) < number:
+                assert time.monotonic() < deadline
+                time.sleep(0.02)
+            yield stl[start : start + 60]
+
+    answer = one.client.patch(upload, content=pieces(), headers={**PIECE, "Upload-Offset": "0"})
+    assert code_of(answer) == (503, "blobs.unavailable")
+    assert sizes == [60, 60]
+    assert received(one, upload) == 60
+    assert send(one, upload, 60, stl[60:]).status_code == 204
+    assert one.client.post(f"{upload}/mesh").json()["sha256"] == hashlib.sha256(stl).hexdigest()
+
+
+def test_a_part_that_rotted_in_the_store_makes_no_mesh(pair: list[Live], stl: bytes, seaweed: SeaweedServer) -> None:
+    one, two = pair
+    upload = begun(one, len(stl), filename="skin.stl")
+    assert send(one, upload, 0, stl).status_code == 204
+    bucket, sha256 = one.services.settings.blobs_url.rpartition("/")[2], hashlib.sha256(stl).hexdigest()
+    rotten = stl[:-1] + bytes([stl[-1] ^ 1])
+    seaweed.client().put_object(Bucket=bucket, Key=f"{sha256[:2]}/{sha256[2:4]}/{sha256}", Body=rotten)
+    assert code_of(two.client.post(f"{upload}/mesh")) == (500, "blob.corrupt")
 
 
 def test_of_two_hosts_that_write_at_one_place_one_is_first(pair: list[Live], stl: bytes) -> None:

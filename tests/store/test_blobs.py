@@ -47,6 +47,9 @@ def test_bytes_and_files_get_the_name_of_their_content(blobs: Blobs, tmp_path: P
     expected = Blob(hashlib.sha256(data).hexdigest(), size)
     assert blobs.put_file(source) == expected
     assert blobs.put_bytes(data) == expected
+    with source.open("rb") as file:
+        file.read(7)
+        assert blobs.put_open(file) == expected, "all of it, wherever the file was left"
     with blobs.open(expected.sha256) as stored:
         assert stored.read() == data
     assert list(blobs.all()) == [expected]
