@@ -30,11 +30,12 @@ def main() -> int:
     """Exit code 1 if anything at all went wrong; a number that was missed is said in the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.load", description=__doc__)
     parser.add_argument("--small", action="store_true", help="a few of everything: whether it works, not how fast")
+    parser.add_argument("--share", type=float, default=1.0, help="part of the jobs, listeners and bytes of a full run")
     parser.add_argument("--setup", choices=SETUPS, default="embedded", help="lab: PostgreSQL, Valkey and an object store")
     parser.add_argument("--only", choices=PARTS, action="append", help="one of the parts; may be repeated")
     parser.add_argument("--out", type=Path, default=Path("out/load"), help="folder for the numbers as JSON")
     chosen = parser.parse_args()
-    size = SMALL if chosen.small else FULL
+    size = SMALL if chosen.small else FULL if chosen.share == 1.0 else FULL.part(chosen.share)
     wanted = set(chosen.only or PARTS)
     parts = []
     for part in _run(chosen.setup, size, wanted):

@@ -24,7 +24,7 @@ STORING = "store"  # all is made, and on its way to the store: whether a percent
 
 async def dismiss(stand: Stand, size: Size) -> Part:
     """The main job on the real body, dismissed when it is so many % done."""
-    took_s = []
+    took_s: dict[int, float] = {}
     async with client_of(stand) as client:
         form = aiohttp.FormData({"unit": "mm"})
         form.add_field("file", binary_stl(body(0)), filename="body.stl")
@@ -33,13 +33,13 @@ async def dismiss(stand: Stand, size: Size) -> Part:
         for percent in size.dismissed_at:
             job, _ = await client.execute("shells", {"skin": {"href": skin}})
             if await _reaches(client, job, percent):
-                took_s.append(await _take_back(client, stand, job))
-    count = len(took_s)
-    longest = max(took_s, default=float("nan"))
+                took_s[percent] = await _take_back(client, stand, job)
+    longest = max(took_s.values(), default=float("nan"))
     return Part(
         "dismissals",
         (
-            Measure("jobs dismissed, one at each stage", count, "jobs", len(size.dismissed_at), at_least=True),
+            Measure("jobs dismissed, one at each stage", len(took_s), "jobs", len(size.dismissed_at), at_least=True),
+            *(Measure(f"dismissed and dead, at {percent} %", took, "s", LIMIT_S) for percent, took in took_s.items()),
             Measure("dismissed and dead, longest", longest, "s", LIMIT_S),
         ),
         tuple(client.errors),

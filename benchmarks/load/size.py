@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 MIB = 1024**2
 
@@ -29,6 +29,25 @@ class Size:
     def accepted(self) -> int:
         """Requests of one accept run."""
         return self.accept_per_s * self.accept_s
+
+    def part(self, share: float) -> Size:
+        """Fewer of everything that is counted, on a machine that has not got the time; rates and stages stay."""
+
+        def some(count: int) -> int:
+            return max(1, round(share * count))
+
+        return replace(
+            self,
+            name=f"{self.name}-{share:g}",
+            accept_s=some(self.accept_s),
+            clients=some(self.clients),
+            jobs=some(self.jobs),
+            overhead_jobs=some(self.overhead_jobs),
+            scaling_jobs=some(self.scaling_jobs),
+            listeners=some(self.listeners),
+            watched_jobs=some(self.watched_jobs),
+            upload_bytes=some(self.upload_bytes),
+        )
 
 
 FULL = Size("full", 100, 20, 50, 1000, 60, 40, 200, 20, 5.0, 1024 * MIB, 4, (0, 5, 20, 40, 60, 80, 95))
