@@ -7,6 +7,7 @@ import { JobPage } from "./pages/job";
 import { JobsPage } from "./pages/jobs";
 import { MeshesPage } from "./pages/meshes";
 import { NewJobPage } from "./pages/new_job";
+import { UnlessBroken } from "./parts/broken_page";
 import { DocumentationLink } from "./parts/documentation_link";
 import { KeyDialog, useKeyDialog } from "./parts/key_dialog";
 import { ServerBanner, useServerState } from "./parts/server_state";
@@ -83,7 +84,9 @@ export function Page() {
       </header>
       <ServerBanner state={server} />
       <main ref={main} tabIndex={-1}>
-        <Body place={place} />
+        <UnlessBroken key={place.path.join("/")}>
+          <Body place={place} />
+        </UnlessBroken>
       </main>
       <DocumentationLink />
       <KeyDialog {...key} />

@@ -5,6 +5,7 @@ import {
   BufferGeometry,
   DecrementWrapStencilOp,
   DoubleSide,
+  EqualStencilFunc,
   FrontSide,
   Group,
   IncrementWrapStencilOp,
@@ -15,16 +16,21 @@ import {
   type Plane,
   PlaneGeometry,
   ReplaceStencilOp,
-  type WebGLRenderer,
 } from "three";
 import { coloursOf } from "./colour_map";
+import "./exact_clipping";
 import { Outline } from "./outline";
 import type { Axis, Surface } from "./surface";
 
+const FILLED = 0x80;
+const COUNT = 0x7f;
+
 /** One surface in the scene: the surface itself, and the filled face where the clipping plane cuts it.
  *
- * The fill is counted in the stencil buffer: back faces add one, front faces take one away, and where something is left
- * the plane lies inside. Shells are drawn from outside inwards, so the inner fill covers the outer. */
+ * The fill is counted in the lower bits of the stencil buffer: back faces add one, front faces take one away, and where
+ * something is left the plane lies inside. Shells are drawn from outside inwards, so the inner fill covers the outer. The
+ * highest bit marks what is filled: from the side that is cut away nothing behind it is seen. Depth alone does not say so of
+ * faces seen edge-on, whose depth within a pixel is anything. */
 export class Shell {
   readonly group = new Group();
   readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
@@ -33,13 +39,16 @@ export class Shell {
   private readonly cap: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly outline: Outline;
 
-  constructor(surface: Surface, order: number, plane: Plane, renderer: WebGLRenderer) {
+  constructor(surface: Surface, order: number, plane: Plane) {
     this.surface = surface;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(surface.mesh.positions, 3));
     geometry.setIndex(new BufferAttribute(surface.mesh.faces, 1));
     geometry.computeVertexNormals();
     this.body = new Mesh(geometry, new MeshStandardMaterial({ roughness: 0.75, metalness: 0, side: DoubleSide }));
+    this.body.material.stencilWrite = true; // which turns the test on
+    this.body.material.stencilWriteMask = 0;
+    this.body.material.stencilFuncMask = FILLED;
     this.body.renderOrder = 500 - order; // what can be seen through is drawn last, from inside outwards
     this.group.add(this.body);
     for (const [side, operation] of [
@@ -48,6 +57,7 @@ export class Shell {
     ] as const) {
       const material = new MeshBasicMaterial({ side, depthWrite: false, depthTest: false, colorWrite: false });
       material.stencilWrite = true;
+      material.stencilWriteMask = COUNT;
       material.stencilFunc = AlwaysStencilFunc;
       material.stencilFail = material.stencilZFail = material.stencilZPass = operation;
       material.clippingPlanes = [plane];
@@ -56,14 +66,20 @@ export class Shell {
       this.counters.push(counter);
       this.group.add(counter);
     }
-    const fill = new MeshBasicMaterial({ side: DoubleSide });
+    // a little behind its plane, in which the outlines lie
+    const fill = new MeshBasicMaterial({
+      side: DoubleSide,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
     fill.stencilWrite = true;
-    fill.stencilRef = 0;
+    fill.stencilRef = FILLED; // whose lower bits are 0
+    fill.stencilFuncMask = COUNT;
     fill.stencilFunc = NotEqualStencilFunc;
-    fill.stencilFail = fill.stencilZFail = fill.stencilZPass = ReplaceStencilOp;
+    fill.stencilZFail = fill.stencilZPass = ReplaceStencilOp;
     this.cap = new Mesh(new PlaneGeometry(1, 1), fill);
     this.cap.renderOrder = 10 * order + 2;
-    this.cap.onAfterRender = () => renderer.clearStencil();
     this.outline = new Outline(surface.mesh);
     this.outline.lines.renderOrder = 10 * order + 3;
     this.group.add(this.cap, this.outline.lines);
@@ -101,6 +117,11 @@ export class Shell {
     this.cap.rotation.set(axis === 1 ? Math.PI / 2 : 0, axis === 0 ? Math.PI / 2 : 0, 0);
     this.cap.position.set(centre[0]!, centre[1]!, centre[2]!).setComponent(axis, at);
     this.outline.cut(axis, at);
+  }
+
+  /** Whether fills hide all that lies behind them: they do from the side that is cut away. */
+  hideBehindFills(hidden: boolean): void {
+    this.body.material.stencilFunc = hidden ? EqualStencilFunc : AlwaysStencilFunc;
   }
 
   dispose(): void {

@@ -95,7 +95,7 @@ export class Viewer {
         this.scene.remove(shell.group);
         shell.dispose();
       }
-      this.shells = surfaces.map((surface, order) => new Shell(surface, order, this.plane, this.renderer));
+      this.shells = surfaces.map((surface, order) => new Shell(surface, order, this.plane));
       for (const shell of this.shells) this.scene.add(shell.group);
       const before = [...this.centre.toArray(), this.radius];
       this.measure();
@@ -285,6 +285,8 @@ export class Viewer {
     for (const ball of this.markers.children) {
       ball.scale.setScalar(MARKER_SHARE * ball.position.distanceTo(this.camera.position));
     }
+    const fromOutside = this.clip !== null && this.plane.distanceToPoint(this.camera.position) < 0;
+    for (const shell of this.shells) shell.hideBehindFills(fromOutside);
     this.renderer.render(this.scene, this.camera);
     if (this.pointer && this.events.onProbe) {
       const { x, y } = this.placeOf(this.pointer);
