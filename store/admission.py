@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from datetime import datetime
 
-from sqlalchemy import Select, and_, exists, func, or_, select, update
+from sqlalchemy import Row, and_, bindparam, exists, func, or_, select, update
 from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 from sqlalchemy.orm import Session, aliased
@@ -45,7 +45,7 @@ class Admission:
             if not due or not (fits or _anything_fits(session, limits)):
                 return None
             for head in due:
-                first = session.execute(_first_fitting(head, limits[head.queue], room)).one_or_none()
+                first = _first_fitting(session, head, limits[head.queue], room)
                 if first is None:
                     continue
                 row = take(session, first.id, first.attempt, worker, lease_s, now)
@@ -56,19 +56,55 @@ class Admission:
 
     def _anything_waits(self) -> bool:
         with self._db.reading() as session:
-            return bool(session.execute(select(exists().where(JobRow.status == JobStatus.ACCEPTED))).scalar_one())
+            return bool(session.execute(_ANYTHING_WAITS).scalar_one())
 
     def _note_turn(self, session: Session, workspace: str, now: datetime) -> None:
         """A row somebody else holds says the same already: nobody waits for it."""
-        free = select(TurnRow.workspace).where(TurnRow.workspace == workspace).with_for_update(skip_locked=True)
-        noted = update(TurnRow).where(TurnRow.workspace.in_(free)).values(served_at=now).returning(TurnRow.workspace)
-        if session.scalars(noted).one_or_none() is None:
+        served = {"workspace": workspace, "served_at": now}
+        if session.execute(_NOTE_TURN, {"of": workspace, "at": now}).one_or_none() is None:
             insert = sqlite_insert if self._db.is_sqlite else postgresql_insert
-            session.execute(insert(TurnRow).values(workspace=workspace, served_at=now).on_conflict_do_nothing())
+            session.execute(insert(TurnRow).values(served).on_conflict_do_nothing())
 
 
+# statements are made once: putting one together takes several times as long as carrying it out, and writers wait meanwhile
+_ANYTHING_WAITS = select(exists().where(JobRow.status == JobStatus.ACCEPTED))
 _RUNNING = select(JobRow.workspace, JobRow.queue, JobRow.lease_owner, JobRow.expected_memory_bytes).where(
     JobRow.status == JobStatus.RUNNING
+)
+_WAITING = aliased(JobRow)
+_HEAD = (
+    select(_WAITING.id)
+    .where(_WAITING.workspace == WorkspaceRow.id, _WAITING.status == JobStatus.ACCEPTED, _WAITING.queue == bindparam("queue"))
+    .order_by(_WAITING.queued_at, _WAITING.id)
+    .limit(1)
+    .correlate(WorkspaceRow)
+    .scalar_subquery()
+)
+_HEADS = (
+    select(JobRow.id, JobRow.workspace, JobRow.queued_at, JobRow.expected_memory_bytes, TurnRow.served_at)
+    .select_from(WorkspaceRow)
+    .join(JobRow, JobRow.id == _HEAD)
+    .outerjoin(TurnRow, TurnRow.workspace == WorkspaceRow.id)
+)
+_FIRST = (
+    select(JobRow.id, JobRow.attempt)
+    .where(
+        JobRow.workspace == bindparam("workspace"),
+        JobRow.status == JobStatus.ACCEPTED,
+        JobRow.queue == bindparam("queue"),
+    )
+    .order_by(JobRow.queued_at, JobRow.id)
+    .limit(1)
+    .with_for_update(skip_locked=True)
+)
+_FIRST_FITTING = _FIRST.where(JobRow.expected_memory_bytes <= bindparam("limit"))
+_FREE_TURN = select(TurnRow.workspace).where(TurnRow.workspace == bindparam("of")).with_for_update(skip_locked=True)
+_NOTE_TURN = (
+    update(TurnRow)
+    .where(TurnRow.workspace.in_(_FREE_TURN))
+    .values(served_at=bindparam("at"))
+    .returning(TurnRow.workspace)
+    .execution_options(synchronize_session=False)
 )
 
 
@@ -79,24 +115,9 @@ def _running(workspace: str, queue: str, owner: str | None, expected_bytes: int,
 
 def _heads(session: Session, queue: JobQueue, room: Room) -> list[Head]:
     """One look into the index per workspace, however many jobs wait in it."""
-    waiting = aliased(JobRow)
-    first = (
-        select(waiting.id)
-        .where(waiting.workspace == WorkspaceRow.id, waiting.status == JobStatus.ACCEPTED, waiting.queue == queue)
-        .order_by(waiting.queued_at, waiting.id)
-        .limit(1)
-        .correlate(WorkspaceRow)
-        .scalar_subquery()
-    )
-    told = session.execute(
-        select(JobRow.id, JobRow.workspace, JobRow.queued_at, JobRow.expected_memory_bytes, TurnRow.served_at)
-        .select_from(WorkspaceRow)
-        .join(JobRow, JobRow.id == first)
-        .outerjoin(TurnRow, TurnRow.workspace == WorkspaceRow.id)
-    )
     return [
         Head(row.id, row.workspace, queue, row.queued_at, room.need_bytes(row.expected_memory_bytes), row.served_at)
-        for row in told
+        for row in session.execute(_HEADS, {"queue": queue})
     ]
 
 
@@ -106,14 +127,12 @@ def _anything_fits(session: Session, limits: Mapping[JobQueue, int]) -> bool:
     return bool(session.execute(select(exists().where(JobRow.status == JobStatus.ACCEPTED, fits))).scalar_one())
 
 
-def _first_fitting(head: Head, limit_bytes: int, room: Room) -> Select[str, int]:
-    """Of the head's workspace and queue, the job that waits longest among those that fit and nobody else is taking."""
-    query = select(JobRow.id, JobRow.attempt).where(
-        JobRow.workspace == head.workspace, JobRow.status == JobStatus.ACCEPTED, JobRow.queue == head.queue
-    )
-    if limit_bytes < room.job_memory_bytes:  # else whatever it is expected to need, it cannot need more
-        query = query.where(JobRow.expected_memory_bytes <= limit_bytes)
-    return query.order_by(JobRow.queued_at, JobRow.id).limit(1).with_for_update(skip_locked=True)
+def _first_fitting(session: Session, head: Head, limit_bytes: int, room: Room) -> Row[str, int] | None:
+    """(id, attempt) of the job of the head's workspace and queue that waits longest among those that fit and nobody is taking."""
+    of = {"workspace": head.workspace, "queue": head.queue}
+    if limit_bytes < room.job_memory_bytes:
+        return session.execute(_FIRST_FITTING, {**of, "limit": limit_bytes}).one_or_none()
+    return session.execute(_FIRST, of).one_or_none()  # whatever it is expected to need, it cannot need more
 
 
 def _lock_of(host: str) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, delete, exists, or_, select
+from sqlalchemy import ColumnElement, bindparam, delete, exists, or_, select
 from sqlalchemy.orm import Session
 
 from store.job import JobStatus
@@ -54,5 +54,16 @@ def usable_by(row: JobRow) -> ColumnElement[bool]:
 
 def forget_checkpoints(session: Session, row: JobRow, *, of_all: bool) -> None:
     """Nobody needs those of this job any more, or `of_all` who asked for the same; the bytes go with the next sweep."""
-    chosen = of_same_request(row) if of_all else JobCheckpointRow.job_id == row.id
-    session.execute(delete(JobCheckpointRow).where(chosen))
+    alike = of_all and row.fingerprint is not None  # None: accepted by an older server
+    of = {"of": row.id, "workspace": row.workspace, "fingerprint": row.fingerprint}
+    session.execute(_FORGET_ALIKE if alike else _FORGET, of if alike else {"of": row.id})
+
+
+_ALIKE = select(JobRow.id).where(JobRow.workspace == bindparam("workspace"), JobRow.fingerprint == bindparam("fingerprint"))
+_FORGET, _FORGET_ALIKE = (
+    delete(JobCheckpointRow).where(chosen).execution_options(synchronize_session=False)
+    for chosen in (
+        JobCheckpointRow.job_id == bindparam("of"),
+        or_(JobCheckpointRow.job_id == bindparam("of"), JobCheckpointRow.job_id.in_(_ALIKE)),
+    )
+)  # made once: see `store.admission`

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import datetime
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select
 from sqlalchemy.orm import Session
 
 from core.errors import StateError
@@ -45,11 +45,14 @@ def no_such_job(job_id: str) -> StateError:
 
 def held(session: Session, job_id: str, token: int) -> JobRow | None:
     """The locked row if `token` is the one of its running attempt: whoever lost the lease gets None and may write nothing."""
-    return session.scalars(
-        select(JobRow)
-        .where(JobRow.id == job_id, JobRow.lease_token == token, JobRow.status == JobStatus.RUNNING)
-        .with_for_update()
-    ).one_or_none()
+    return session.scalars(_HELD, {"of": job_id, "token": token}).one_or_none()
+
+
+_HELD = (
+    select(JobRow)
+    .where(JobRow.id == bindparam("of"), JobRow.lease_token == bindparam("token"), JobRow.status == JobStatus.RUNNING)
+    .with_for_update()
+)  # made once: see `store.admission`
 
 
 def queue_again(session: Session, row: JobRow, attempt: int, message: str, now: datetime) -> None:
