@@ -59,8 +59,9 @@ def find_ears(skin: Mesh) -> tuple[Ear, Ear]:
         raise _not_found("the surface does not stand or lie like a person, along one of the axes, with a head and two legs")
     head = np.flatnonzero(skin.vertices @ frame.up > frame.level(HEAD_ABOVE))
     points = skin.vertices[head]
-    sideways = (points - frame.centre()) @ frame.right
-    half_width = float(np.abs(sideways).max(initial=0.0))
+    across = points @ frame.right
+    half_width = float(np.ptp(across)) / 2
+    sideways = across - (across.min() + half_width)  # from the middle of the head, not of the body: it may lean
     if not 0.0 < 2.0 * half_width < WIDEST_HEAD * frame.height_mm():
         raise _not_found(
             f"its upper end is {2 * half_width:.0f} mm wide, which is no head for {frame.height_mm():.0f} mm of height"

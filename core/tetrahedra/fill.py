@@ -41,8 +41,8 @@ def fill(
     Promises: every face of every surface is a face of tetrahedra; all are right-handed; the volumes of each tissue add up to that
               between its surface and those inside. A cavity of a tissue belongs to the tissue around it, of the outermost to
               nobody. `region` counts the surfaces from 0, in their order.
-    Raises:   InputError `tetrahedra.no_room`, `tetrahedra.refused` with what the mesher said; StateError
-              `tetrahedra.no_mesher`; InternalError `tetrahedra.not_proven`.
+    Raises:   InputError `tetrahedra.no_room`, `tetrahedra.refused` with what the mesher said; LimitError `limit.memory`,
+              `tetrahedra.too_many_vertices`; StateError `tetrahedra.no_mesher`; InternalError `tetrahedra.not_proven`.
     Source:   Si 2015, doi:10.1145/2629697; Geuzaine and Remacle 2009, doi:10.1002/nme.2579.
     """
     vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])

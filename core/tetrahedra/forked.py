@@ -11,10 +11,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import InputError, StateError
+from core.errors import InputError, LimitError, StateError
 
 SAID_CHARACTERS = 2000
-REFUSED, MISSING = 1, 2
+REFUSED, MISSING, NO_MEMORY = 1, 2, 3
 
 
 class MesherMissing(Exception):
@@ -34,7 +34,8 @@ class Filling:
 def run_forked(mesher: str, work: Callable[[], Filling]) -> Filling:
     """What `work` makes in a process of its own; mesher: its name for messages.
 
-    Raises: InputError `tetrahedra.refused` with what it said, also if its process crashed; StateError `tetrahedra.no_mesher`.
+    Raises: InputError `tetrahedra.refused` with what it said, also if its process crashed; LimitError `limit.memory`;
+    StateError `tetrahedra.no_mesher`.
     """
     with TemporaryDirectory(prefix="mesher-") as folder:
         made, said = Path(folder) / "made.npz", Path(folder) / "said"
@@ -46,6 +47,8 @@ def run_forked(mesher: str, work: Callable[[], Filling]) -> Filling:
         words = said.read_text(encoding="utf-8") if said.exists() else "nothing"
         if code == MISSING:
             raise StateError("tetrahedra.no_mesher", f"{mesher} cannot be used on this server: {words}")
+        if code == NO_MEMORY:
+            raise LimitError("limit.memory", f"{mesher} needs more memory than this server allows for one job")
         if code:
             ended = f"crashed with signal {-code}" if code < 0 else "refuses the surfaces"
             raise InputError("tetrahedra.refused", f"{mesher} {ended}; it said: {words}", exit_code=code)
@@ -63,7 +66,11 @@ def _work_and_exit(work: Callable[[], Filling], made: Path, said: Path) -> None:
             np.savez(file, nodes=filling.nodes, tetrahedra=filling.tetrahedra, region=filling.region)
         code = 0
     except BaseException as error:  # noqa: BLE001 - nothing may leave the forked process but its exit
-        code = MISSING if isinstance(error, MesherMissing) else REFUSED
+        code = MISSING if isinstance(error, MesherMissing) else NO_MEMORY if _lacks_memory(error) else REFUSED
         said.write_text(f"{error}"[:SAID_CHARACTERS], encoding="utf-8")
     finally:
         os._exit(code)
+
+
+def _lacks_memory(error: BaseException) -> bool:
+    return isinstance(error, MemoryError) or "out of memory" in str(error).lower()

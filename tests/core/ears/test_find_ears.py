@@ -3,6 +3,7 @@
 import manifold3d
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from core.ears.find_ears import MARGIN_MM, Ear, find_ears
 from core.errors import InputError
@@ -50,6 +51,17 @@ def test_standing_or_lying_in_any_convention(turn):
     expected = boxes(find_ears(skin)) @ turn.T + at
     np.testing.assert_allclose(found.min(axis=1), expected.min(axis=1), atol=0.1)
     np.testing.assert_allclose(found.max(axis=1), expected.max(axis=1), atol=0.1)
+
+
+@pytest.mark.parametrize("degrees", [-5.0, 5.0])
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_who_leans_a_little_keeps_both_ears(axis, degrees):
+    skin, turn = body(0), Rotation.from_euler(axis, degrees, degrees=True)
+    leaning = skin.with_vertices(turn.apply(skin.vertices.copy()))
+    for straight, found in zip(find_ears(skin), find_ears(leaning), strict=True):
+        assert found.name == straight.name
+        pinna = leaning.vertices[straight.holds(skin.vertices)]
+        assert found.holds(pinna).mean() > 0.95
 
 
 @pytest.mark.parametrize("scale", [0.8, 0.9, 1.1, 1.2])

@@ -8,7 +8,7 @@ import signal
 import numpy as np
 import pytest
 
-from core.errors import InputError, StateError
+from core.errors import InputError, LimitError, StateError
 from core.tetrahedra.forked import Filling, MesherMissing, run_forked
 
 FILLING = Filling(np.eye(4, 3), np.arange(4, dtype=np.int32).reshape(1, 4), np.zeros(1, dtype=np.int32))
@@ -29,6 +29,14 @@ def refuse() -> Filling:
     raise RuntimeError("facets cross")
 
 
+def lack_memory() -> Filling:
+    raise MemoryError
+
+
+def lack_memory_as_tetgen() -> Filling:
+    raise RuntimeError("Out of memory")
+
+
 def miss() -> Filling:
     raise MesherMissing("libGLU.so.1 is not there")
 
@@ -38,6 +46,8 @@ def miss() -> Filling:
     [
         (crash, InputError, "tetrahedra.refused", "a mesher crashed with signal 9"),
         (refuse, InputError, "tetrahedra.refused", "a mesher refuses the surfaces; it said: facets cross"),
+        (lack_memory, LimitError, "limit.memory", "a mesher needs more memory"),
+        (lack_memory_as_tetgen, LimitError, "limit.memory", "a mesher needs more memory"),
         (miss, StateError, "tetrahedra.no_mesher", "libGLU.so.1 is not there"),
     ],
 )
