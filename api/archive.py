@@ -34,10 +34,17 @@ class TakenArchive:
 
 @contextmanager
 def take_archive(
-    services: Services, workspace: WorkspaceId, received: ReceivedFile, unit: str, folder: Path, *, volumes: bool
+    services: Services,
+    workspace: WorkspaceId,
+    received: ReceivedFile,
+    unit: str,
+    folder: Path,
+    *,
+    volumes: bool,
+    reserved_bytes: int = 0,
 ) -> Iterator[TakenArchive]:
     """Meshes, or label `volumes` in their place. `folder` is scratch space. What was taken is kept if the block ends well;
-    whatever stops it, here or there, nothing is.
+    whatever stops it, here or there, nothing is. reserved_bytes: of the quota, that the archive itself takes until then.
 
     Raises what `core.processes.unpack` raises, LimitError `limit.*`, `quota.bytes`, `storage.full`, InternalError `child.*`."""
     told = _unpack(services, received, folder, volumes=volumes)
@@ -59,7 +66,7 @@ def take_archive(
                         raise
                     refused.append(RefusedSubject(name, error.code, error.message))
                     continue
-                meshes.append((name, services.meshes.create(workspace, upload)))
+                meshes.append((name, services.meshes.create(workspace, upload, reserved_bytes=reserved_bytes)))
             path.unlink()
         yield TakenArchive(tuple(meshes), tuple(refused), tuple(map(str, told["ignored"])))
     except BaseException:

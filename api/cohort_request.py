@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError
+from sqlalchemy.orm import Session
 
 from api.cohort_documents import cohort_path
 from api.execution import resolve_meshes
@@ -88,12 +89,17 @@ def read_cohort(
     return NewCohort(process.id, settings.inputs, subjects, refused, JobWords(settings.name, settings.labels), subscriber)
 
 
-def accept_cohort(services: Services, workspace: WorkspaceId, new: NewCohort, once: Once) -> Cohort:
-    """Into the table, with the reply that is kept; then ring for all its jobs. Raises as `Cohorts.create`."""
+def accept_cohort(
+    services: Services, workspace: WorkspaceId, new: NewCohort, once: Once, also: Callable[[Session], None] = lambda session: None
+) -> Cohort:
+    """Into the table, with the reply that is kept and what `also` does there; then ring for all its jobs.
+
+    Raises as `Cohorts.create`."""
     attempts = services.settings.max_attempts + find_process(new.process).more_attempts
     with services.db.session() as session:
         cohort, jobs = services.cohorts.create(workspace, new, max_attempts=attempts, session=session)
         once.keep(Reply(201, {"Location": cohort_path(cohort.id)}, {"cohort": cohort.id}), session)
+        also(session)
     services.ringer.ring_cohort(cohort.id, jobs)
     return cohort
 

@@ -14,6 +14,7 @@ MAKERS = {  # operation -> (parameter that takes what it made, where its answer 
     "executeProcess": ("job_id", "/jobID"),
     "createCohort": ("cohort_id", "/id"),
     "createCohortOfArchive": ("cohort_id", "/id"),
+    "createCohortOfUpload": ("cohort_id", "/id"),
 }
 
 

@@ -106,10 +106,10 @@ class Uploads:
             _known(work.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id).mesh_id = mesh_id
             work.execute(delete(UploadPartRow).where(UploadPartRow.upload_id == upload_id))
 
-    def delete(self, workspace: WorkspaceId, upload_id: str) -> None:
-        """Raises StateError `upload.not_found`."""
-        with self._db.session() as session:
-            session.delete(_known(session.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id))
+    def delete(self, workspace: WorkspaceId, upload_id: str, *, session: Session | None = None) -> None:
+        """By `session` if there is one. Raises StateError `upload.not_found`."""
+        with self._db.session(session) as work:
+            work.delete(_known(work.get(UploadRow, upload_id, with_for_update=True), workspace, upload_id))
 
     def sweep(self) -> int:
         """Forget uploads nobody went on with; returns how many. Their files go with `known`."""

@@ -11,17 +11,17 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from api.access import WorkspaceDep
-from api.cohort_archive import FIELD, FIELD_BYTES, cohort_of_archive, read_settings
+from api.cohort_archive import FIELD, FIELD_BYTES, cohort_of_form, cohort_of_upload, read_settings
 from api.cohort_documents import COHORTS, cohort_path, describe_cohort, list_cohorts
 from api.cohort_request import accept_cohort, find_cohort, put_together, read_cohort, require_few
 from api.cohort_results import files_of, refer_to_cohort, require_summary
 from api.downloads import content_disposition
 from api.idempotency import REPLAYED, Once, fingerprint_of
 from api.paging import add_next_link
-from api.parameters import CohortId, Cursor, IdempotencyKey, PageLimit
+from api.parameters import CohortId, Cursor, IdempotencyKey, KeepEnded, PageLimit, UploadId
 from api.request_folder import request_folder
 from api.responses import files, problems
-from api.schemas.cohort import CohortInfo, CohortList, CohortRequest
+from api.schemas.cohort import CohortFromUpload, CohortInfo, CohortList, CohortRequest
 from api.schemas.job import Results
 from api.services import Services, ServicesDep
 from api.streamed_zip import stream_zip
@@ -105,8 +105,31 @@ async def create_cohort_of_archive(
         received = await receive_file(request, folder / "upload", services.settings.upload_limit_bytes, {FIELD: FIELD_BYTES})
         settings = read_settings(received)
         subscriber = read_subscriber(services, request, settings.subscriber)
-        work = partial(cohort_of_archive, services, workspace, received, settings, subscriber, idempotency_key)
+        work = partial(cohort_of_form, services, workspace, received, settings, subscriber, idempotency_key)
         cohort, replayed = await anyio.to_thread.run_sync(work, limiter=services.intake_slots)
+    return await run_in_threadpool(_created, services, request, response, cohort, replayed)
+
+
+@router.post(
+    "/uploads/{upload_id}/cohort",
+    operation_id="createCohortOfUpload",
+    status_code=201,
+    response_model_exclude_none=True,
+    responses=problems(404, 409, 413, 415, 422, 423, 503, 507),
+)
+async def create_cohort_of_upload(
+    upload_id: UploadId,
+    wanted: Annotated[CohortFromUpload, Body()],
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    idempotency_key: IdempotencyKey = None,
+) -> CohortInfo:
+    """Make a finished upload, a zip of meshes, into a cohort. The upload goes then; if the request is refused, it stays."""
+    subscriber = read_subscriber(services, request, wanted.subscriber)
+    work = partial(cohort_of_upload, services, workspace, upload_id, wanted, subscriber, idempotency_key)
+    cohort, replayed = await anyio.to_thread.run_sync(work, limiter=services.intake_slots)
     return await run_in_threadpool(_created, services, request, response, cohort, replayed)
 
 
@@ -141,11 +164,16 @@ def get_cohort(cohort_id: CohortId, request: Request, services: ServicesDep, wor
     responses=problems(404),
 )
 def dismiss_cohort(
-    cohort_id: CohortId, request: Request, response: Response, services: ServicesDep, workspace: WorkspaceDep
+    cohort_id: CohortId,
+    request: Request,
+    response: Response,
+    services: ServicesDep,
+    workspace: WorkspaceDep,
+    keep_ended: KeepEnded = False,
 ) -> CohortInfo:
     """Take back all jobs that wait or run. If there is none, the cohort is removed with its jobs and all they made."""
     before = services.cohorts.get(workspace, cohort_id)
-    after = services.cohorts.dismiss(workspace, cohort_id)
+    after = services.cohorts.dismiss(workspace, cohort_id, keep_ended=keep_ended)
     return _described(services, request, before if after is None else after)
 
 

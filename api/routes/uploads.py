@@ -1,4 +1,5 @@
-"""Resumable uploads: tus 1.0.0 with creation, expiration, termination and checksum; then one request more makes a mesh."""
+"""Resumable uploads: tus 1.0.0 with creation, expiration, termination and checksum; then one request more makes a mesh, or
+(`api.routes.cohorts`) a cohort."""
 
 from __future__ import annotations
 
@@ -12,12 +13,12 @@ from fastapi import APIRouter, Body, Request, Response
 from api.access import WorkspaceDep
 from api.intake import parse, require_unit
 from api.links import link, mesh_path, upload_path
+from api.locked_upload import locked_upload
 from api.mesh_documents import describe_mesh
 from api.parameters import UploadId
 from api.partial_file import partial_file
 from api.receiving import Receiving
 from api.request_body import RequestBody
-from api.request_folder import request_folder
 from api.responses import problems
 from api.schemas.mesh import MeshInfo
 from api.schemas.upload import MeshFromUpload, UploadInfo
@@ -34,9 +35,8 @@ from api.tus import (
     metadata_of,
     number_of,
 )
-from api.upload_form import ReceivedFile, plain_name
-from api.upload_target import upload_target
-from core.errors import InputError, LimitError, StateError
+from api.upload_form import plain_name
+from core.errors import InputError, LimitError
 from store.meshes import MeshRecord
 from store.uploads import Upload
 from store.workspace import WorkspaceId
@@ -154,7 +154,7 @@ async def continue_upload(
     responses=problems(404, 412, 423),
 )
 def terminate_upload(upload_id: UploadId, services: ServicesDep, workspace: WorkspaceDep) -> Response:
-    """Forget an upload. The mesh that was made of it stays."""
+    """Forget an upload. What was made of it stays."""
     services.uploads.get(workspace, upload_id)
     with partial_file(services.uploads_dir, upload_id) as file:
         services.uploads.delete(workspace, upload_id)
@@ -187,28 +187,18 @@ async def make_mesh(
 def _read_upload(services: Services, workspace: WorkspaceId, upload_id: str, wanted: MeshFromUpload) -> MeshRecord:
     if (made := services.uploads.get(workspace, upload_id).mesh_id) is not None:
         return services.meshes.get(workspace, made)
-    with partial_file(services.uploads_dir, upload_id) as file, request_folder(services.incoming_dir) as folder:
-        upload = services.uploads.get(workspace, upload_id)
-        if upload.mesh_id is not None:  # another request was quicker
-            file.path.unlink()
-            return services.meshes.get(workspace, upload.mesh_id)
-        if upload.received < upload.length:
-            raise StateError(
-                "upload.incomplete",
-                f"{upload.received} of {upload.length} bytes are here",
-                received=upload.received,
-                length=upload.length,
-            )
-        path, sha256 = upload_target(services, workspace, upload, file).whole(folder)
-        fields = {**upload.fields, **wanted.model_dump(exclude_none=True)}
-        received = ReceivedFile(path, upload.file_name, upload.length, sha256, fields)
+    with locked_upload(services, workspace, upload_id) as locked:
+        if locked.upload.mesh_id is not None:  # another request was quicker
+            locked.forget()
+            return services.meshes.get(workspace, locked.upload.mesh_id)
+        received = locked.read(wanted.model_dump(exclude_none=True))
         record = services.meshes.create(
             workspace,
-            parse(services, received, require_unit(received), folder),
-            reserved_bytes=upload.length,
+            parse(services, received, require_unit(received), locked.folder),
+            reserved_bytes=received.size,
             also=lambda mesh, session: services.uploads.finish(workspace, upload_id, mesh.id, session=session),
         )
-        file.path.unlink()  # the blobs have it; the row stays, so that asking again finds the mesh
+        locked.forget()  # the blobs have it; the row stays, so that asking again finds the mesh
         return record
 
 

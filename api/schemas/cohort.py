@@ -56,9 +56,15 @@ class ArchivedSubject(Document):
 
 
 class ArchiveSettings(CohortSettings):
-    """The field `cohort` of a form with an archive."""
+    """What goes with an archive: the field `cohort` of a form."""
 
     subjects: tuple[ArchivedSubject, ...] = Field((), description="Only those that have inputs of their own")
+
+
+class CohortFromUpload(ArchiveSettings):
+    """A finished upload that is an archive."""
+
+    unit: str | None = Field(None, description="m, cm, mm or in; left out as `Upload-Metadata` said")
 
 
 class Counts(Document):
