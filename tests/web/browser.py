@@ -39,7 +39,7 @@ DESK, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
 @contextmanager
 def chromium(names: Mapping[str, str] | None = None) -> Iterator[Browser]:
-    """`names`: hosts it is to find at these addresses. Raises RuntimeError with the command that installs it where there is none."""
+    """`names`: hosts it is to find at these addresses. Raises RuntimeError with the command that installs it."""
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     if found is None:
         raise RuntimeError("The browser tests need Chromium: apt-get install -y chromium (or: make debian)")

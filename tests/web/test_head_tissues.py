@@ -1,4 +1,4 @@
-"""*Head, 7 tissues you have* from the page to its end: FreeSurfer's average head with the skull, brain and cortex of its wheels."""
+"""*Head, 7 tissues you have* from the page to its end: FreeSurfer's average head with skull, brain and cortex."""
 
 from __future__ import annotations
 

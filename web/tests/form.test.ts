@@ -40,6 +40,10 @@ test.each([
   [{ type: "string" }, "text"],
   [{ type: "object", properties: { radius_mm: { type: "number" } } }, "group"],
   [{ type: "array", items: { type: "array" } }, "json"],
+  [
+    { type: "array", minItems: 4, maxItems: 4, items: { type: "array", minItems: 4, maxItems: 4, items: {} } },
+    "placement",
+  ],
 ] as const)("a schema gets its control: %#", (schema, kind) => {
   expect(kindOf(schema as Parameters<typeof kindOf>[0])).toBe(kind);
 });

@@ -1,3 +1,4 @@
+import { readCoil } from "../mesh/coil";
 import { SHOWN_FACES } from "../mesh/thin_out";
 import type { ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
@@ -28,6 +29,12 @@ export async function findEars(id: string): Promise<{ name: string; box_mm: { mi
     `/v1/meshes/${id}/ears`,
   );
   return ears;
+}
+
+/** Where the dipoles and wires of an uploaded coil are, in its own coordinates in mm. */
+export async function fetchCoil(path: string, signal: AbortSignal): Promise<Float32Array> {
+  const reply = await ask(`${path}/file?format=original`, { signal });
+  return readCoil(await reply.text());
 }
 
 /** `href` is a reference as jobs take it: `/v1/meshes/{id}` or `/v1/jobs/{id}/results/{output}`. */

@@ -189,6 +189,8 @@ export interface Report {
   meshes: Record<string, MeshNumbers>;
   pairs: PairNumbers[];
   thickness: Record<string, ThicknessNumbers>;
+  /** Of a solver's field, by surface; absent where there is none. */
+  fields?: Record<string, { faces: number; too_far: number }>;
   findings: Finding[];
   methods: string;
   parameters: Record<string, unknown>;

@@ -8,6 +8,8 @@ import { LayersTable } from "./layers_table";
 import { NamesInput } from "./names_input";
 import { NumberInput } from "./number_input";
 import { NumbersByName } from "./numbers_by_name";
+import type { Placement } from "./placement";
+import { PlacementInput } from "./placement_input";
 import {
   type Choice,
   hrefOf,
@@ -262,6 +264,15 @@ function Control({
       );
     case "words":
       return <WordsInput id={id} words={(value ?? []) as string[]} onWords={onValue} />;
+    case "placement":
+      return (
+        <PlacementInput
+          id={id}
+          value={value as Placement | undefined}
+          bounds={context.bounds}
+          onValue={(placement) => onValue(placement)}
+        />
+      );
     case "group":
       return <Group schema={schema} required={required} value={value} context={context} onValue={onValue} />;
     case "json":

@@ -25,6 +25,7 @@ export type Kind =
   | "chosen_names"
   | "words"
   | "holders"
+  | "placement"
   | "choice"
   | "flag"
   | "number"
@@ -39,6 +40,7 @@ export function kindOf(schema: Schema): Kind {
   if (schema.type === "array" && items) {
     if (isReference(items)) return "references";
     if (items.properties?.box_mm) return "regions";
+    if (isRowOfFour(schema) && isRowOfFour(items)) return "placement";
     if (items.properties?.depth_mm && items.properties.name) return "layers";
     if (items.properties?.mesh && isReference(items.properties.mesh) && items.properties.name) return "tissues";
     // names of surfaces have a pattern, other words have none
@@ -63,6 +65,11 @@ export function kindOf(schema: Schema): Kind {
     if (schema.properties) return "group";
   }
   return "json";
+}
+
+/** A list of exactly four; of four of them a 4 x 4 matrix is made. */
+function isRowOfFour({ type, minItems, maxItems }: Schema): boolean {
+  return type === "array" && minItems === 4 && maxItems === 4;
 }
 
 export function isReference(schema: Schema): boolean {

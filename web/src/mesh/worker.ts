@@ -1,5 +1,6 @@
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import { curvatureField, distanceField, qualityField } from "./fields";
+import { readMsh } from "./msh";
 import { readObj } from "./obj";
 import { readPly } from "./ply";
 import { readStl } from "./stl";
@@ -14,6 +15,7 @@ export type FieldKind = "quality" | "curvature" | "distance";
 
 export type Task =
   | { kind: "read"; data: ArrayBuffer; format: FileKind }
+  | { kind: "solved"; data: ArrayBuffer; counts: readonly number[] }
   | { kind: "field"; field: FieldKind; mesh: Triangles; to: Triangles | null }
   | { kind: "tree"; mesh: Triangles };
 
@@ -23,6 +25,8 @@ export interface ReadMesh {
   thinned: boolean;
   closed: boolean;
   volume_mm3: number;
+  /** Of a solver's field in V/m, a number per face of `shown`; NaN where it has none. */
+  magnitudes?: Float32Array;
   min: [number, number, number];
   max: [number, number, number];
 }
@@ -42,6 +46,19 @@ function read(data: ArrayBuffer, format: FileKind): ReadMesh {
   };
 }
 
+/** All faces, however many there are: each has a number of its own. */
+function solved({ data, counts }: Extract<Task, { kind: "solved" }>): ReadMesh[] {
+  return readMsh(data, counts).map(({ mesh, values }) => ({
+    shown: mesh,
+    faces: mesh.faces.length / 3,
+    thinned: false,
+    closed: isClosed(mesh),
+    volume_mm3: volumeOf(mesh),
+    magnitudes: values,
+    ...boundsOf(mesh.positions),
+  }));
+}
+
 function field(task: Extract<Task, { kind: "field" }>): Float32Array {
   if (task.field === "quality") return qualityField(task.mesh);
   if (task.field === "curvature") return curvatureField(task.mesh);
@@ -58,6 +75,11 @@ function answerTo(task: Task): [result: unknown, moved: unknown[]] {
   if (task.kind === "read") {
     const result = read(task.data, task.format);
     return [result, [result.shown.positions.buffer, result.shown.faces.buffer]];
+  }
+  if (task.kind === "solved") {
+    const result = solved(task);
+    const moved = result.flatMap(({ shown, magnitudes }) => [shown.positions, shown.faces, magnitudes!]);
+    return [result, moved.map((array) => array.buffer)];
   }
   if (task.kind === "tree") {
     const result = tree(task.mesh);

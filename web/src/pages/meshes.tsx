@@ -88,7 +88,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   };
   const fly = (point: Point, { places, severity }: Finding) => {
     viewer?.setMarkers(places.map((place) => ({ point: place.point_mm, severity })));
-    viewer?.flyTo(point);
+    viewer?.gaze.flyTo(point);
   };
   const nothing = !list.loading && !list.error && !search.settled && meshes.length === 0 && files.length === 0;
   return (

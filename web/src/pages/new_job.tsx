@@ -10,6 +10,7 @@ import { hrefOf } from "../form/references_input";
 import { kindOf, withoutEmpty } from "../form/schema_kind";
 import { asLayers, asTissues, type Region } from "../form/values";
 import { makeTree } from "../mesh/workshop";
+import { useDrawnCoil } from "../parts/drawn_coil";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
 import { MoreButton, useLongList } from "../parts/long_list";
@@ -92,6 +93,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     [values, inputs],
   );
 
+  const coil = useDrawnCoil(known);
   const given = referencesIn(known);
   const packed = hrefOf(known.package);
   const contents = useLoaded(`results ${packed}`, async (signal) =>
@@ -147,7 +149,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     labels: volume?.labels.map((one) => one.label) ?? [],
     bounds: first ? { min: first.min, max: first.max } : null,
     findEars: mesh ? () => findEars(mesh.id) : null,
-    onLook: (point) => viewer?.flyTo(point),
+    onLook: (point) => viewer?.gaze.flyTo(point),
     onPreview: setPreview,
   };
   const start = async () => {
@@ -175,6 +177,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             label="3D view of the surfaces with their boxes"
             surfaces={surfaces}
             boxes={boxes}
+            coil={coil}
             onBox={moveBox}
             onViewer={setViewer}
             loading={waits ? "Loading the mesh…" : ""}

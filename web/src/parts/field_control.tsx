@@ -1,10 +1,12 @@
 import type { Field } from "../viewer/surface";
-import { type FieldChoice, fieldTitle } from "./field_choice";
+import { type FieldChoice, fieldTitle, MAGNITUDE } from "./field_choice";
 import { Legend } from "./legend";
 
 /** Colour the surfaces by a number: thickness, deviation, curvature, quality. */
 export function FieldControl(props: {
   names: readonly string[];
+  /** Whether the surfaces have a solver's field. */
+  solved: boolean;
   choice: FieldChoice | null;
   field: Field | null;
   failure: string;
@@ -13,6 +15,7 @@ export function FieldControl(props: {
 }) {
   const { names, choice, field } = props;
   const choices: FieldChoice[] = [
+    ...(props.solved ? [MAGNITUDE] : []),
     ...(names.length > 1 ? names.map((to) => ({ kind: "distance" as const, to })) : []),
     { kind: "curvature", to: null },
     { kind: "quality", to: null },
@@ -37,6 +40,9 @@ export function FieldControl(props: {
       {choice && !field && !props.failure && <p class="muted small">Measuring…</p>}
       {props.failure && <p class="note bad">{props.failure}</p>}
       {field && <Legend field={field} onRange={props.onRange} />}
+      {field && choice?.kind === "magnitude" && (
+        <p class="muted small">One value per triangle; grey where there is none. Point at a surface to read it.</p>
+      )}
       {field && choice?.kind === "distance" && (
         <p class="muted small">
           Measured from every vertex to the nearest point of {choice.to}. Point at a surface to read it.

@@ -8,16 +8,16 @@ import type { Clip, Field, Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import { ClipControl } from "./clip_control";
 import { Downloads } from "./downloads";
+import { useDrawnCoil } from "./drawn_coil";
 import { Failure } from "./failure";
-import { type FieldChoice, makeField } from "./field_choice";
+import { type FieldChoice, MAGNITUDE, makeField } from "./field_choice";
 import { FieldControl } from "./field_control";
 import { Findings } from "./findings";
 import { useLoaded } from "./loaded";
 import { Numbers } from "./numbers";
-import { shownMeshes } from "./shown_meshes";
+import { useShownSurfaces } from "./shown_surfaces";
 import { ThinnedNote } from "./thinned_note";
 import { TissueTable } from "./tissue_table";
-import { useTriangles } from "./triangles_of";
 import { ViewerPane } from "./viewer_pane";
 
 const BEFORE = " before";
@@ -35,14 +35,13 @@ export function ResultView({ job }: { job: Job }) {
     getOutputs(job, signal),
   );
   const inputs = useLoaded(`inputs ${job.jobID}`, (signal) => getInputs(job.jobID, signal));
-  const hrefs = useMemo(
-    () => (results.value && inputs.value ? shownMeshes(results.value, inputs.value.inputs) : {}),
-    [results.value, inputs.value],
-  );
-  const triangles = useTriangles(hrefs);
+  const triangles = useShownSurfaces(results.value, inputs.value?.inputs ?? null, report.value);
+  const coil = useDrawnCoil(inputs.value?.inputs ?? null);
   const [looks, setLooks] = useState<Looks>({});
   const [clip, setClip] = useState<Clip | null>(null);
   const [choice, setChoice] = useState<FieldChoice | null>(null);
+  const solved = Object.values(triangles.meshes).some((mesh) => mesh.magnitudes);
+  useEffect(() => setChoice(solved ? MAGNITUDE : null), [solved]); // what the job was asked for is seen at once
   const [fields, setFields] = useState<Record<string, Field>>({});
   const [range, setRange] = useState<[number, number] | null>(null);
   const [fieldError, setFieldError] = useState("");
@@ -106,7 +105,7 @@ export function ResultView({ job }: { job: Job }) {
   const fly = (point: Point, finding: Finding) => {
     setMarkers(finding.places.map((place) => ({ point: place.point_mm, severity: finding.severity })));
     if (clip && (clip.keep === "below" ? point[clip.axis] > clip.at : point[clip.axis] < clip.at)) setClip(null);
-    viewer?.flyTo(point);
+    viewer?.gaze.flyTo(point);
     document.querySelector(".viewer")?.scrollIntoView({ block: "nearest" });
   };
   const look = (name: string, part: Looks[string]) => setLooks({ ...looks, [name]: { ...looks[name], ...part } });
@@ -124,6 +123,7 @@ export function ResultView({ job }: { job: Job }) {
             surfaces={beside ? surfaces.slice(0, 1) : surfaces}
             clip={clip}
             markers={markers}
+            coil={coil}
             onViewer={setViewer}
             loading={loading ? "Loading the surfaces…" : ""}
             failure={triangles.failure}
@@ -143,6 +143,7 @@ export function ResultView({ job }: { job: Job }) {
             <ClipControl clip={clip} bounds={bounds} onClip={setClip} />
             <FieldControl
               names={names}
+              solved={solved}
               choice={choice}
               field={measured[0] ? { ...measured[0], low, high } : null}
               failure={fieldError}
@@ -182,9 +183,9 @@ function Beside(props: { surfaces: Surface[]; clip: Clip | null; markers: Marker
   const shown = useMemo(() => surfaces.filter((one) => one.name === name), [surfaces, name]);
   useEffect(() => {
     if (!leader || !follower) return;
-    const follow = () => follower.setView(leader.view);
+    const follow = () => follower.gaze.setView(leader.gaze.view);
     follow();
-    return leader.onView(follow);
+    return leader.gaze.onMove(follow);
   }, [leader, follower]);
   return (
     <div class="stack">

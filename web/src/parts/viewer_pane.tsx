@@ -14,6 +14,8 @@ export interface ViewerPaneProps {
   clip?: Clip | null;
   markers?: readonly Marker[];
   boxes?: readonly RegionBox[];
+  /** Places of a coil beside the surfaces, x, y, z in mm one after the other. */
+  coil?: Float32Array | null;
   onBox?: (number: number, box: RegionBox) => void;
   onViewer?: (viewer: Viewer | null) => void;
   /** Search trees made beside the page. */
@@ -35,7 +37,7 @@ const NO_CLIP = null;
 const NONE: never[] = [];
 
 export function ViewerPane(props: ViewerPaneProps) {
-  const { label, surfaces, clip = NO_CLIP, markers = NONE, boxes = NONE, loading, failure, empty } = props;
+  const { label, surfaces, clip = NO_CLIP, markers = NONE, boxes = NONE, coil = null, loading, failure, empty } = props;
   const canvas = useRef<HTMLCanvasElement>(null);
   const events = useRef(props);
   events.current = props;
@@ -75,6 +77,7 @@ export function ViewerPane(props: ViewerPaneProps) {
   useEffect(() => viewer?.setClip(clip), [viewer, clip]);
   useEffect(() => viewer?.setMarkers(markers), [viewer, markers]);
   useEffect(() => viewer?.setBoxes(boxes), [viewer, boxes]);
+  useEffect(() => viewer?.setCoil(coil), [viewer, coil]);
   // only now: whoever takes the viewer over finds the surfaces in place
   useEffect(() => {
     if (viewer) events.current.onViewer?.(viewer);
@@ -92,8 +95,9 @@ export function ViewerPane(props: ViewerPaneProps) {
         ref={canvas}
         tabIndex={0}
         role="img"
-        aria-label={`${label}. Arrow keys turn it, plus and minus zoom, Home shows all of it.`}
+        aria-label={`${label}. Arrow keys turn it, with Shift they move it, plus and minus zoom, Home shows all of it, Enter reads what is in the middle.`}
       />
+      <span class="cross" aria-hidden="true" />
       {said ? (
         <div class="state" role={broken || failure ? "alert" : "status"}>
           {loading && !failure && !broken && <progress aria-label="Loading the mesh" />}
@@ -103,11 +107,16 @@ export function ViewerPane(props: ViewerPaneProps) {
         <>
           <fieldset class="overlay top">
             <legend class="hidden-label">View</legend>
-            <button type="button" onClick={() => viewer?.fit()}>
+            <button type="button" onClick={() => viewer?.gaze.fit()}>
               Fit
             </button>
             {Object.entries(VIEWS).map(([name, direction]) => (
-              <button key={name} type="button" title={`Look from ${name}`} onClick={() => viewer?.lookFrom(direction)}>
+              <button
+                key={name}
+                type="button"
+                title={`Look from ${name}`}
+                onClick={() => viewer?.gaze.lookFrom(direction)}
+              >
                 {name}
               </button>
             ))}
@@ -115,19 +124,16 @@ export function ViewerPane(props: ViewerPaneProps) {
               Save picture
             </button>
           </fieldset>
-          {probe && (
-            <div class="overlay bottom">
+          <div class="overlay bottom" aria-live="polite">
+            {probe && (
               <div class="readout">
                 <b>{probe.surface}</b> ({probe.point.map((value) => value.toFixed(1)).join(", ")}) mm
-                {field && probe.value !== null && (
-                  <>
-                    {" · "}
-                    {field.name} <b>{sayNumber(probe.value)}</b> {field.unit}
-                  </>
-                )}
+                {field && ` · ${field.name} `}
+                {field && (probe.value === null ? "has no value here" : <b>{sayNumber(probe.value)}</b>)}
+                {field && probe.value !== null && ` ${field.unit}`}
               </div>
-            </div>
-          )}
+            )}
+          </div>
         </>
       )}
     </div>

@@ -47,7 +47,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
       button.addEventListener("click", () => {
         setMarked(place);
         setClip(null);
-        viewer.flyTo(marker.point);
+        viewer.gaze.flyTo(marker.point);
         viewer.canvas.scrollIntoView({ block: "center" });
         viewer.canvas.focus({ preventScroll: true });
       });
@@ -108,6 +108,7 @@ function fieldOf({ depths }: SceneMesh, { name, unit }: Painted): Field | null {
     name,
     unit,
     values: depths,
+    each: "vertex",
     low: Math.min(low, 0.5 * high),
     high,
     map: "viridis",

@@ -11,7 +11,7 @@ const trees = new WeakMap<object, MeshBVH | Promise<void>>();
 
 /** The tree of a shell; null while somebody makes it. */
 function treeOf(shell: Shell, makeTree: TreeMaker | undefined): MeshBVH | null {
-  const { geometry } = shell.body;
+  const { geometry } = shell;
   const known = trees.get(geometry);
   if (known) return known instanceof MeshBVH ? known : null;
   if (makeTree) {
@@ -59,10 +59,11 @@ export function pick(
   return nearest?.probe ?? null;
 }
 
-/** The field of the surface there, linear within the face; null where a corner has no value. */
+/** The field of the surface there: the number of the face, or linear within it; null where a corner has no value. */
 function valueAt(shell: Shell, face: number, point: Vector3): number | null {
   const { field, mesh } = shell.surface;
   if (!field) return null;
+  if (field.each === "face") return known(field.values[face]!);
   const corners = [0, 1, 2].map((k) => mesh.faces[3 * face + k]!);
   const [a, b, c] = corners.map((v) => new Vector3().fromArray(mesh.positions, 3 * v)) as [Vector3, Vector3, Vector3];
   const area = (p: Vector3, q: Vector3) =>
@@ -73,5 +74,9 @@ function valueAt(shell: Shell, face: number, point: Vector3): number | null {
     sum === 0
       ? field.values[corners[0]!]!
       : corners.reduce((mean, v, k) => mean + (shares[k]! / sum) * field.values[v]!, 0);
+  return known(value);
+}
+
+function known(value: number): number | null {
   return Number.isNaN(value) ? null : value;
 }

@@ -20,7 +20,7 @@ import {
 import { coloursOf } from "./colour_map";
 import "./exact_clipping";
 import { Outline } from "./outline";
-import type { Axis, Surface } from "./surface";
+import type { Axis, Field, Surface } from "./surface";
 
 const FILLED = 0x80;
 const COUNT = 0x7f;
@@ -33,15 +33,17 @@ const COUNT = 0x7f;
  * faces seen edge-on, whose depth within a pixel is anything. */
 export class Shell {
   readonly group = new Group();
+  readonly geometry = new BufferGeometry();
   readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
   surface: Surface;
   private readonly counters: Mesh[] = [];
   private readonly cap: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly outline: Outline;
+  private unshared: BufferGeometry | null = null; // three corners to every face, for a colour per face
 
   constructor(surface: Surface, order: number, plane: Plane) {
     this.surface = surface;
-    const geometry = new BufferGeometry();
+    const { geometry } = this;
     geometry.setAttribute("position", new BufferAttribute(surface.mesh.positions, 3));
     geometry.setIndex(new BufferAttribute(surface.mesh.faces, 1));
     geometry.computeVertexNormals();
@@ -87,22 +89,25 @@ export class Shell {
 
   show(surface: Surface): void {
     this.surface = surface;
-    const { material, geometry } = this.body;
+    const { material } = this.body;
     this.group.visible = surface.visible && surface.opacity > 0;
     material.opacity = surface.opacity;
     material.transparent = surface.opacity < 1;
     material.depthWrite = surface.opacity === 1;
     material.vertexColors = surface.field !== null;
     material.color.set(surface.field ? "#ffffff" : surface.colour);
-    if (surface.field) {
-      const { values, low, high, map } = surface.field;
-      geometry.setAttribute("color", new BufferAttribute(coloursOf(values, low, high, map), 3, true));
-    } else {
-      geometry.deleteAttribute("color");
-    }
+    this.body.geometry = surface.field ? this.painted(surface.field) : this.geometry;
     material.needsUpdate = true;
     this.cap.material.color.set(surface.colour);
     this.outline.lines.material.color.set(surface.colour).multiplyScalar(0.45);
+  }
+
+  private painted({ values, low, high, map, each }: Field): BufferGeometry {
+    const colours = coloursOf(values, low, high, map);
+    if (each === "face") this.unshared ??= this.geometry.toNonIndexed();
+    const geometry = each === "face" ? this.unshared! : this.geometry;
+    geometry.setAttribute("color", new BufferAttribute(each === "face" ? threefold(colours) : colours, 3, true));
+    return geometry;
   }
 
   /** `plane` is null where nothing is cut away. */
@@ -125,11 +130,22 @@ export class Shell {
   }
 
   dispose(): void {
-    this.body.geometry.dispose();
+    this.geometry.dispose();
+    this.unshared?.dispose();
     this.body.material.dispose();
     for (const counter of this.counters) (counter.material as MeshBasicMaterial).dispose();
     this.cap.geometry.dispose();
     this.cap.material.dispose();
     this.outline.dispose();
   }
+}
+
+/** The colour of a face for each of its corners. */
+function threefold(colours: Uint8Array): Uint8Array {
+  const corners = new Uint8Array(3 * colours.length);
+  for (let f = 0; f < colours.length; f += 3) {
+    const colour = colours.subarray(f, f + 3);
+    for (let k = 0; k < 3; k++) corners.set(colour, 3 * f + 3 * k);
+  }
+  return corners;
 }

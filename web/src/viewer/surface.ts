@@ -10,7 +10,9 @@ export type Point = [number, number, number];
 export interface Field {
   name: string;
   unit: string;
+  /** One per vertex, or one per face; NaN where there is none. */
   values: Float32Array;
+  each: "vertex" | "face";
   low: number;
   high: number;
   map: MapName;
