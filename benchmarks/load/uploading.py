@@ -16,7 +16,7 @@ from benchmarks.load.client import Client, client_of
 from benchmarks.load.measure import Measure, Part
 from benchmarks.load.memory import Memory
 from benchmarks.load.size import MIB, Size
-from benchmarks.load.stand import Stand
+from benchmarks.load.stand import Stand, cpu_s_of
 from store.s3_place import S3Place
 from tests.acceptance.service import binary_stl
 from tests.solids import sphere
@@ -36,8 +36,10 @@ async def upload(stand: Stand, size: Size) -> Part:
         write_stl(other, size.upload_bytes, radius_mm=101.0)  # or a store that knows bytes by their digest has them already
         disk = [dd_mib_per_s(file, copy)]
         async with client_of(stand) as client:
+            before = _busy_s(stand)
             with Memory(stand.api) as memory:
                 alone_s = await _send(client, file, 0, file.stat().st_size)
+            api_s, others_s = (after - ahead for after, ahead in zip(_busy_s(stand), before, strict=True))
             disk.append(dd_mib_per_s(file, copy))
             store = [store_mib_per_s(stand.blobs_url, file)] if stand.blobs_url else []
             with Memory(stand.api) as crowd:
@@ -57,6 +59,8 @@ async def upload(stand: Stand, size: Size) -> Part:
             Measure(f"{name} against dd", speed / dd, "times", SHARE, at_least=True),
             *(Measure("boto3 straight into the object store, same file", straight, "MiB/s") for straight in store),
             *(Measure(f"{name} against boto3", speed / straight, "times") for straight in store),
+            Measure(f"{name}, processor time of the API", 1000 * api_s / mib, "ms/MiB"),
+            Measure(f"{name}, processor time of the servers behind it", 1000 * others_s / mib, "ms/MiB"),
             Measure(f"{name}, memory the API grew by", memory.growth_mib, "MiB", GROWTH_MIB),
             Measure(f"{size.uploads_at_once} uploads at once", mib / together_s, "MiB/s"),
             Measure(f"{size.uploads_at_once} uploads at once, memory the API grew by", crowd.growth_mib, "MiB", GROWTH_MIB),
@@ -64,6 +68,11 @@ async def upload(stand: Stand, size: Size) -> Part:
         tuple(client.errors),
         memory.series,
     )
+
+
+def _busy_s(stand: Stand) -> tuple[float, float]:
+    """Processor time until now: of the API, and of database, broker and object store."""
+    return cpu_s_of(stand.api), sum(map(cpu_s_of, stand.others))
 
 
 async def _send(client: Client, file: Path, start: int, length: int) -> float:

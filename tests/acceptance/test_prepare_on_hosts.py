@@ -31,7 +31,7 @@ from tests.seaweed import SeaweedServer
 from tests.solids import sphere
 from tests.valkey import ValkeyServer
 
-SETTINGS = {"INTEGUMENT_LEASE_S": "6", "INTEGUMENT_RECONCILE_S": "1", "INTEGUMENT_CHECKPOINT_AFTER_S": "0"}
+SETTINGS = {"INTEGUMENT_LEASE_S": "15", "INTEGUMENT_RECONCILE_S": "1", "INTEGUMENT_CHECKPOINT_AFTER_S": "0"}
 PATIENCE_S = 1800
 LAYERS = "prepare: layers"
 
