@@ -89,6 +89,22 @@ class Visit:
             if one["impact"] in ("serious", "critical")
         ]
 
+    def barriers_everywhere(self) -> list[str]:
+        """What axe finds in light and dark, on a desk and on a phone, and what sticks out to the side. The page stays so."""
+        found = []
+        before = self.page.viewport_size
+        for size in (DESK, PHONE):
+            self.page.set_viewport_size({"width": size["width"], "height": size["height"]})
+            for scheme in ("light", "dark"):
+                self.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+                found += [f"{size['width']} {scheme}: {one}" for one in self.barriers()]
+            if self.page.evaluate("document.documentElement.scrollWidth") > size["width"]:
+                found.append(f"{size['width']}: the page sticks out to the side")
+        self.page.emulate_media(color_scheme="light")
+        if before:
+            self.page.set_viewport_size(before)
+        return found
+
 
 @contextmanager
 def visit(browser: Browser, url: str, *, size: dict[str, int] | None = None, dark: bool = False) -> Iterator[Visit]:

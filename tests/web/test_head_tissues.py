@@ -64,6 +64,7 @@ def test_the_tissues_of_a_real_head_become_a_model(tmp_path: Path) -> None:
         for name in surfaces:
             expect(page.get_by_label(f"Show {name}", exact=True)).to_be_visible()
         page.get_by_role("button", name="Cut across x").click()
+        page.get_by_label("x of the cut in mm").fill("-30")
         page.get_by_role("button", name="+x", exact=True).click()
         seen.drawn()
         seen.picture("head-tissues-cut")

@@ -58,6 +58,13 @@ export function Page() {
   useEffect(() => {
     document.title = `${NAVIGATION.find(([path]) => path === here)?.[1] ?? "Integument"} · Integument`;
   }, [here]);
+  // who goes on by keyboard or by ear goes on at the new page, not in the header again
+  const there = place.path.join("/");
+  const first = useRef(there);
+  useEffect(() => {
+    if (there !== first.current) main.current?.focus({ preventScroll: true });
+    first.current = there;
+  }, [there]);
   return (
     <>
       <button type="button" class="skip" onClick={() => main.current?.focus()}>
@@ -84,7 +91,7 @@ export function Page() {
       </header>
       <ServerBanner state={server} />
       <main ref={main} tabIndex={-1}>
-        <UnlessBroken key={place.path.join("/")}>
+        <UnlessBroken key={there}>
           <Body place={place} />
         </UnlessBroken>
       </main>
