@@ -88,7 +88,7 @@ export function ViewerPane(props: ViewerPaneProps) {
     if (picture) saveBlob(picture, "integument.png");
   };
   const said = broken || failure || loading || (surfaces.length === 0 ? empty : "");
-  const field = probe && surfaces.find((one) => one.name === probe.surface)?.field;
+  const field = probe && !probe.inSection && surfaces.find((one) => one.name === probe.surface)?.field;
   return (
     <div class="viewer" data-ready={viewer !== null && surfaces.length > 0 && !said}>
       <canvas
@@ -128,6 +128,7 @@ export function ViewerPane(props: ViewerPaneProps) {
             {probe && (
               <div class="readout">
                 <b>{probe.surface}</b> ({probe.point.map((value) => value.toFixed(1)).join(", ")}) mm
+                {probe.inSection && " · in the section"}
                 {field && ` · ${field.name} `}
                 {field && (probe.value === null ? "has no value here" : <b>{sayNumber(probe.value)}</b>)}
                 {field && probe.value !== null && ` ${field.unit}`}

@@ -1,4 +1,4 @@
-import { type Camera, type Plane, Raycaster, Vector2, Vector3 } from "three";
+import { type Camera, DoubleSide, type Plane, Ray, Raycaster, Vector2, Vector3 } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { Triangles } from "../mesh/triangles";
 import type { Shell } from "./shell";
@@ -38,6 +38,8 @@ export function pick(
 ): Probe | null {
   const caster = new Raycaster();
   caster.setFromCamera(new Vector2(x, y), camera);
+  const cut = plane && inSection(shells, caster.ray, plane, makeTree);
+  if (cut) return cut;
   let nearest: { distance: number; probe: Probe } | null = null;
   for (const shell of shells) {
     if (!shell.group.visible) continue;
@@ -57,6 +59,20 @@ export function pick(
     }
   }
   return nearest?.probe ?? null;
+}
+
+/** The innermost filled surface where the ray meets the plane from the side that is cut away; null where it meets none. */
+function inSection(shells: readonly Shell[], ray: Ray, plane: Plane, makeTree: TreeMaker | undefined): Probe | null {
+  const point = plane.distanceToPoint(ray.origin) < 0 ? ray.intersectPlane(plane, new Vector3()) : null;
+  if (!point) return null;
+  const beyond = new Ray(point, ray.direction);
+  const around = shells.filter((shell) => {
+    if (!shell.group.visible || !shell.surface.closed) return false;
+    const crossings = treeOf(shell, makeTree)?.raycast(beyond, DoubleSide) ?? [];
+    return crossings.length % 2 === 1; // an odd number of faces lies between a place inside and the far away
+  });
+  const innermost = around.at(-1);
+  return innermost ? { surface: innermost.surface.name, point: point.toArray(), value: null, inSection: true } : null;
 }
 
 /** The field of the surface there: the number of the face, or linear within it; null where a corner has no value. */

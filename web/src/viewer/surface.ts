@@ -52,4 +52,6 @@ export interface Probe {
   surface: string;
   point: Point;
   value: number | null;
+  /** What is filled where the plane cuts it, not the surface. */
+  inSection?: boolean;
 }
