@@ -28,8 +28,16 @@ def run_job(workshop: Workshop, job: Job, leave: Callable[[], None]) -> None:
             supervise(workshop, job, leave)
         except BaseException as error:
             attempt.fail(type(error).__name__)
-            logger.exception("job %s: the worker stumbled", job.id)
+            if _may_pass(error):
+                logger.warning("job %s: tried again, if it may be: %s", job.id, error)
+            else:
+                logger.exception("job %s: the worker stumbled", job.id)
             _give_up(workshop, job, error)
+
+
+def _may_pass(error: BaseException) -> bool:
+    """Foreseen, and another attempt may be spared it: a disk that is full before there is a folder for the job."""
+    return isinstance(error, IntegumentError) and error.code in RETRIED_CODES
 
 
 def _give_up(workshop: Workshop, job: Job, error: BaseException) -> None:
@@ -38,6 +46,6 @@ def _give_up(workshop: Workshop, job: Job, error: BaseException) -> None:
     if not isinstance(error, IntegumentError):
         error = InternalError("worker.raised", f"the worker stopped at an error nobody foresaw: {type(error).__name__}")
     try:
-        workshop.jobs.fail(job.id, job.lease_token, JobFailure.of(error), retry=error.code in RETRIED_CODES)
+        workshop.jobs.fail(job.id, job.lease_token, JobFailure.of(error), retry=_may_pass(error))
     except BaseException:
         logger.exception("job %s: its failure cannot be written down", job.id)

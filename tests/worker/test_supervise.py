@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import logging
 import sqlite3
 import threading
 import time
@@ -78,6 +80,22 @@ def test_a_job_that_met_a_full_disk_is_tried_once_more(workshop: Workshop) -> No
     failure = workshop.jobs.get(DEFAULT_WORKSPACE, job.id).failure
     assert failure is not None
     assert failure.code == "storage.full"
+
+
+def test_a_disk_that_is_full_before_the_job_has_a_folder_is_foreseen(
+    workshop: Workshop, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def mkdir(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "no room")
+
+    caplog.set_level(logging.INFO, "worker.task")
+    job = claim(workshop, "write")
+    with monkeypatch.context() as full:
+        full.setattr(Path, "mkdir", mkdir)
+        run_job(workshop, job, lambda: None)
+    again = workshop.jobs.get(DEFAULT_WORKSPACE, job.id)
+    assert (again.status, again.attempt) == (JobStatus.ACCEPTED, 2)
+    assert [record.levelname for record in caplog.records if record.name == "worker.task"] == ["INFO", "WARNING"]
 
 
 def test_a_missing_blob_fails_the_job(workshop: Workshop) -> None:
