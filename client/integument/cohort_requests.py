@@ -12,17 +12,20 @@ from typing import Any
 from uuid import uuid4
 
 from integument.answer import read_json
+from integument.begun_upload import BegunUpload, Memory
 from integument.cohort import Cohort
 from integument.download import download
-from integument.errors import ArgumentError
+from integument.errors import ArgumentError, ProblemError
 from integument.job import Job
 from integument.result import Results
 from integument.surface_processes import MeshInput, Unit
 from integument.transport import Transport
-from integument.upload import OnBytes, Source, opened
+from integument.upload import CountedFile, OnBytes, Source, opened
 
 LOOK_S = 1.0
 ARCHIVE_TIMEOUT_S = 3600.0  # every mesh of it is read before the answer comes
+NOT_FOUND = "upload.not_found"
+OVER = (NOT_FOUND, "upload.spent", "idempotency.mismatch")  # nothing comes of an upload begun earlier: send it anew
 OnCohort = Callable[[Cohort], None]
 
 
@@ -88,20 +91,34 @@ class CohortRequests(ABC):
     ) -> Cohort:
         """The same with a zip of mesh files; those that cannot be read are refused alone.
 
+        It is sent in pieces. A call for the file of an earlier one that did not come to its end goes on where that one stopped.
         Raises: ArgumentError, ProblemError (the zip cannot be read: codes `archive.*`).
         """
         own = [{"name": subject, "inputs": dict(override)} for subject, override in (overrides or {}).items()]
-        body = _settings(process, inputs, subject_input, name, labels) | {"subjects": own}
-        headers = {"Idempotency-Key": str(uuid4())}  # the same for all tries, so the server sees one archive
+        body = _to_json(_settings(process, inputs, subject_input, name, labels) | {"subjects": own})
+        memory = Memory.of(archive, unit)
         with opened(archive, on_bytes) as (file, file_name):
-            response = self._transport.request(
-                "POST",
-                "/v1/cohort-archives",
-                data={"unit": unit, "cohort": _to_json(body)},
-                files={"file": (file_name, file, "application/zip")},
-                headers=headers,
-                read_timeout_s=ARCHIVE_TIMEOUT_S,
-            )
+            if (begun := memory.recall()) is not None:
+                try:
+                    return self._finish_archive(begun, file, body, memory)
+                except ProblemError as error:
+                    if error.code not in OVER:
+                        raise
+            begun = BegunUpload.begin(self._transport, file, file_name, unit)
+            memory.keep(begun)
+            return self._finish_archive(begun, file, body, memory)
+
+    def _finish_archive(self, begun: BegunUpload, file: CountedFile, body: str, memory: Memory) -> Cohort:
+        """Send what the server does not have, and make the cohort. An upload that is gone may be a cohort: its key tells."""
+        try:
+            begun.send_rest(self._transport, file)
+        except ProblemError as error:
+            if error.code != NOT_FOUND:
+                raise
+        headers = {"Content-Type": "application/json", "Idempotency-Key": begun.key}
+        path = f"{begun.path}/cohort"
+        response = self._transport.request("POST", path, content=body, headers=headers, read_timeout_s=ARCHIVE_TIMEOUT_S)
+        memory.forget()
         return Cohort.read(read_json(response), "the new cohort")
 
     def cohort(self, cohort_id: str) -> Cohort:

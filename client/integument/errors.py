@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 TRANSIENT_STATUSES = frozenset({429, 502, 503, 504})
 UNTOUCHED_STATUSES = frozenset({429, 503})  # the server says it did not begin the work
-IN_FLIGHT = "idempotency.in_flight"  # our own earlier try is still being answered
+STILL_AT_IT = frozenset({"idempotency.in_flight", "upload.busy"})  # our own earlier try is still being answered
 
 
 class IntegumentError(Exception):
@@ -67,7 +67,7 @@ class ProblemError(ServerError):
         self.status = problem.status
         self.code = problem.code
         self.detail = problem.detail
-        self.transient = problem.status in TRANSIENT_STATUSES or problem.code == IN_FLIGHT
+        self.transient = problem.status in TRANSIENT_STATUSES or problem.code in STILL_AT_IT
         self.untouched = problem.status in UNTOUCHED_STATUSES
         self.retry_after_s = retry_after_s
 

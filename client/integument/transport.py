@@ -57,7 +57,7 @@ class Transport:
         repeatable: the request may reach the server twice without harm.
         Raises: ProblemError, ServerUnreachableError.
         """
-        return self.persist(lambda: self._once(method, path, read_timeout_s, arguments), repeatable=repeatable)
+        return self.persist(lambda: self.attempt(method, path, read_timeout_s, **arguments), repeatable=repeatable)
 
     def persist(self, attempt: Callable[[], T], *, repeatable: bool = True) -> T:
         """Run `attempt` until it succeeds or its error is final."""
@@ -84,7 +84,8 @@ class Transport:
                 raise _refusal(response)
             yield response
 
-    def _once(self, method: str, path: str, read_timeout_s: float | None, arguments: dict[str, Any]) -> httpx.Response:
+    def attempt(self, method: str, path: str, read_timeout_s: float | None = None, **arguments: Any) -> httpx.Response:
+        """As `request`, but once."""
         timeout = self._timeout(read_timeout_s or self._timeout_s)
         with self._mapped_errors():
             response = self._http.request(method, path, timeout=timeout, **arguments)

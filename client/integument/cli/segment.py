@@ -24,7 +24,9 @@ def register(app: typer.Typer) -> None:
 
 def segment(
     ctx: typer.Context,
-    volume: Annotated[str, typer.Argument(help="Label volume (.nii, .nii.gz, .mgz, .mgh), or /v1/meshes/{id} of one the server holds.")],
+    volume: Annotated[
+        str, typer.Argument(help="Label volume (.nii, .nii.gz, .mgz, .mgh), or /v1/meshes/{id} of one the server holds.")
+    ],
     name: Annotated[
         list[str] | None,
         typer.Option(metavar="LABEL=NAME", help="Label and the name of its surface; repeat; labels of one name become one."),
