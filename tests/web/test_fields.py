@@ -66,7 +66,7 @@ def test_a_field_is_seen_and_read(tmp_path: Path) -> None:
         page.get_by_role("button", name="Start the job").click()
         expect(page.get_by_text("✗ not ready")).to_be_visible(timeout=JOB_MS)  # for the triangles without a value
         expect(page.get_by_label("Colours", exact=True)).to_have_value("Magnitude of the field")
-        expect(page.get_by_role("img", name=re.compile(r"^Magnitude of the field from 0 to .* V/m$"))).to_be_visible()
+        expect(page.get_by_role("img", name=re.compile(r"^Magnitude of the field from 0 to .* V.m$"))).to_be_visible()
         page.get_by_role("button", name="+z", exact=True).click()
         seen.drawn()
         told = read_middle(page)

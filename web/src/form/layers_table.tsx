@@ -1,5 +1,6 @@
 import { tissueColours } from "../tissues";
 import { NumberInput } from "./number_input";
+import { RemoveButton, RemoveHeading } from "./remove_button";
 import { freshName, type Layer } from "./values";
 
 /** Layers from outside inwards, each with its depth and the colour it will be shown in. */
@@ -38,9 +39,7 @@ export function LayersTable(props: {
               <th>Layer</th>
               <th>Depth (mm)</th>
               <th>Side</th>
-              <th>
-                <span class="hidden-label">Remove</span>
-              </th>
+              <RemoveHeading />
             </tr>
           </thead>
           <tbody>
@@ -95,15 +94,11 @@ export function LayersTable(props: {
                   </select>
                 </td>
                 <td>
-                  <button
-                    type="button"
-                    class="quiet"
-                    aria-label={`Remove layer ${layer.name}`}
+                  <RemoveButton
+                    what={`layer ${layer.name}`}
                     disabled={layers.length === 1}
-                    onClick={() => onLayers(layers.filter((_, i) => i !== at))}
-                  >
-                    ✕
-                  </button>
+                    onRemove={() => onLayers(layers.filter((_, i) => i !== at))}
+                  />
                 </td>
               </tr>
             ))}

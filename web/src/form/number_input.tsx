@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 
-/** A number that may be left out; what cannot be read as a number counts as left out. What is typed stays as typed. */
+/** A number that may be left out; what cannot be read as a number counts as left out. What is typed stays as typed;
+ * when the focus leaves, the value is shown that the part around it has kept. */
 export function NumberInput(props: {
   id?: string;
   label?: string;
@@ -13,9 +14,8 @@ export function NumberInput(props: {
 }) {
   const { value } = props;
   const [text, setText] = useState(textOf(value));
-  useEffect(() => {
-    setText((typed) => (readNumber(typed) === value ? typed : textOf(value)));
-  }, [value]);
+  const settle = () => setText((typed) => (readNumber(typed) === value ? typed : textOf(value)));
+  useEffect(settle, [value]);
   return (
     <input
       id={props.id}
@@ -30,6 +30,7 @@ export function NumberInput(props: {
         setText(event.currentTarget.value);
         props.onValue(readNumber(event.currentTarget.value));
       }}
+      onBlur={settle}
     />
   );
 }

@@ -86,7 +86,9 @@ export function PlacementInput(props: {
                 key={axis}
                 label={`${title}: ${axis}`}
                 value={stand[part][k]}
-                onValue={(typed) => stands({ ...stand, [part]: stand[part].with(k, typed ?? 0) as Point })}
+                onValue={(typed) =>
+                  typed !== undefined && stands({ ...stand, [part]: stand[part].with(k, typed) as Point })
+                }
               />
             ))}
           </div>

@@ -59,8 +59,9 @@ export function RegionsInput(props: {
                   label={`${region.name}: ${end} ${axis} in mm`}
                   value={region.box_mm[end][k]}
                   onValue={(value) => {
+                    if (value === undefined) return; // a minus alone is the beginning of a number
                     const corner = [...region.box_mm[end]] as [number, number, number];
-                    corner[k] = value ?? 0;
+                    corner[k] = value;
                     change(at, { box_mm: { ...region.box_mm, [end]: corner } });
                   }}
                 />

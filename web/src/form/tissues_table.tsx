@@ -1,6 +1,7 @@
 import type { MeshInfo } from "../api/types";
 import { NumberInput } from "./number_input";
 import { type Choice, namedReferences, ReferenceInput } from "./references_input";
+import { RemoveButton, RemoveHeading } from "./remove_button";
 import { freshName, type Tissue } from "./values";
 
 /** Inner surfaces with their names, and what the server is not to guess about them. */
@@ -31,9 +32,7 @@ export function TissuesTable(props: {
                 <th>Mesh</th>
                 <th>Directly inside</th>
                 <th>S/m</th>
-                <th>
-                  <span class="hidden-label">Remove</span>
-                </th>
+                <RemoveHeading />
               </tr>
             </thead>
             <tbody>
@@ -77,14 +76,10 @@ export function TissuesTable(props: {
                     />
                   </td>
                   <td>
-                    <button
-                      type="button"
-                      class="quiet"
-                      aria-label={`Remove tissue ${tissue.name}`}
-                      onClick={() => onTissues(tissues.filter((_, i) => i !== at))}
-                    >
-                      ✕
-                    </button>
+                    <RemoveButton
+                      what={`tissue ${tissue.name}`}
+                      onRemove={() => onTissues(tissues.filter((_, i) => i !== at))}
+                    />
                   </td>
                 </tr>
               ))}

@@ -1,4 +1,5 @@
 import { messageOf } from "../api/server";
+import { RemoveButton, RemoveHeading } from "../form/remove_button";
 import { sayLength } from "../units";
 import { sayBytes, sayContent } from "../words";
 import type { Subject } from "./subject";
@@ -21,9 +22,7 @@ export function SubjectsTable({
             <th>Subject</th>
             <th>Size</th>
             <th>State</th>
-            <th>
-              <span class="hidden-label">Remove</span>
-            </th>
+            <RemoveHeading />
           </tr>
         </thead>
         <tbody>
@@ -35,14 +34,7 @@ export function SubjectsTable({
                 <State subject={one} />
               </td>
               <td>
-                <button
-                  type="button"
-                  class="quiet"
-                  aria-label={`Remove ${one.title}`}
-                  onClick={() => onRemove(one.number)}
-                >
-                  ✕
-                </button>
+                <RemoveButton what={one.title} onRemove={() => onRemove(one.number)} />
               </td>
             </tr>
           ))}
