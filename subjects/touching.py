@@ -33,6 +33,20 @@ def closed_ring(overlap_mm: float) -> Mesh:
     return _mesh(bent + ends[0] + ends[1])
 
 
+def crossing_ring(overlap_mm: float) -> Mesh:
+    """The same ring bent of one sausage whose round ends run into each other near (40, 0, 0) and are not grown together.
+
+    A ball by its topology, and it crosses itself; united it is a ring (genus 1)."""
+    length = 80.0 * np.pi + overlap_mm - 20.0  # between the middles of the round ends
+    rod = manifold3d.Manifold.cylinder(length, 10.0, circular_segments=40, center=True).refine_to_length(5.0)
+    ends = [manifold3d.Manifold.sphere(10.0, 40).translate((0.0, 0.0, way * length / 2)) for way in (-1.0, 1.0)]
+    straight = _mesh(rod + ends[0] + ends[1])
+    across, up, along = straight.vertices.T
+    angle = np.pi + along / 40.0
+    bent = np.column_stack(((40.0 + across) * np.cos(angle), (40.0 + across) * np.sin(angle), -up))
+    return straight.with_vertices(bent).rounded_to_float32()
+
+
 @lru_cache(maxsize=4)
 def grown_together(turns: Sequence[Turn]) -> Mesh:
     """A person with bones turned so far that parts run into each other, as one surface: the union of the body with itself.

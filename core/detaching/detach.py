@@ -13,6 +13,7 @@ from core.detaching.prove_detached import count_pieces, measure_genus, prove_det
 from core.detaching.refusal import contact_findings, words
 from core.detaching.region_grid import RegionGrid, cube_size_mm, fill_grid
 from core.detaching.sheet import draw_sheet
+from core.detaching.unite import unite
 from core.errors import InputError
 from core.geometry.quality import side_lengths
 from core.geometry.volume import signed_volumes
@@ -55,33 +56,41 @@ class OpenedContact:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Detached:
-    """mesh: the skin with all contacts open. new: (F,) True for faces the skin did not have. pieces: closed surfaces."""
+    """mesh: the skin with all contacts open. new: (F,) True for faces the skin did not have. pieces: closed surfaces.
+
+    crossing: pairs of faces (K, 2) of the skin as it came that ran through each other, before its parts were united."""
 
     mesh: Mesh
     new: Flags
     contacts: tuple[OpenedContact, ...]
     pieces: int
+    crossing: NDArray[np.int64]
 
 
 def detach(skin: Mesh, settings: DetachSettings, run: RunContext = SILENT) -> Detached:
     """Open every contact in the regions, along the smallest surface that separates the parts.
 
-    Needs:    closed, manifold, outward, free of self-intersection, exact in float32.
+    Needs:    closed, manifold, outward, exact in float32. Where it runs through itself it is united first.
     Promises: closed, manifold, outward, free of self-intersection (exact), the pieces asked for; the gap at least
-              `settings.gap_mm` between the new walls; no face with a corner outside of the regions changes, bit for bit.
+              `settings.gap_mm` between the new walls; no face with a corner outside of the regions changes, bit for bit,
+              but for those that ran through each other.
     Raises:   InputError `region.outside_mesh`, `detach.no_contact`, `detach.not_one_contact`, `detach.region_cuts_too_much`,
-              `detach.no_room`, `detach.not_opened`, `detach.still_attached`; InternalError `detach.not_proven`.
+              `detach.no_room`, `detach.not_opened`, `detach.still_attached`, `heal.*`; InternalError
+              `detach.not_proven`.
     Source:   thesis 5.3, where triangles were removed, the edges moved apart and the holes closed by hand."""
-    mesh, opened = skin, []
+    united = unite(skin, run.stage("detach: crossings", 0.0, 0.1))
+    mesh: Mesh = united.mesh
+    opened: list[OpenedContact] = []
     for number, region in enumerate(settings.regions):
-        step = run.stage(f"detach: {region.name}", number / len(settings.regions), (number + 1) / len(settings.regions))
+        low, high = (0.1 + 0.9 * (number + end) / len(settings.regions) for end in (0, 1))
+        step = run.stage(f"detach: {region.name}", low, high)
         mesh, found = _open_region(mesh, region, settings, step)
         opened += found
     pieces = count_pieces(mesh)
     if pieces != settings.pieces:
         raise _other_pieces(pieces, settings, opened)
-    new = prove_detached(skin, mesh, [(region.box_mm.min, region.box_mm.max) for region in settings.regions])
-    return Detached(mesh, new, tuple(opened), pieces)
+    new = prove_detached(united.mesh, mesh, [(region.box_mm.min, region.box_mm.max) for region in settings.regions])
+    return Detached(mesh, new, tuple(opened), pieces, united.crossing)
 
 
 def _open_region(

@@ -26,6 +26,7 @@ from core.schema.counted import counted
 from core.schema.detach import DetachInputs, DetachSettings
 from core.schema.finding import Finding, Place, Severity
 from core.schema.report import Report
+from core.validation.requirements import require_closed_skin
 from core.validation.validate import Validation
 
 METHODS = (
@@ -53,9 +54,9 @@ OUTPUT = "skin"
 def run_detach(inputs: DetachInputs, meshes: Mapping[str, Mapping[str, Any]], run: RunContext, out_dir: Path) -> Outcome:
     """The skin with all contacts open, and the proof of it.
 
-    Raises: InputError `skin.*`, `region.outside_mesh`, `detach.*`; InternalError `detach.not_proven` with a report.
+    Raises: InputError `skin.*`, `region.outside_mesh`, `detach.*`, `heal.*`; InternalError `detach.not_proven` with a report.
     """
-    source = load_skin(inputs.skin.href, meshes, run)
+    source = load_skin(inputs.skin.href, meshes, run, require_closed_skin)
     settings = DetachSettings.model_validate(inputs.model_dump(exclude={"skin"}))
     step = run.stage("detach", 0.06, 0.6)
     made = step.checkpoint("detach", lambda: detach(source.mesh, settings, step), source.mesh, settings)
@@ -111,6 +112,9 @@ def contact_findings_of(made: Detached) -> tuple[Finding, ...]:
     opened = tuple(Place(mesh=OUTPUT, point_mm=contact.middle_mm) for contact in made.contacts)
     message = f"{counted(len(opened), 'contact')} were opened; each place is the middle of one"
     findings = [Finding(code="detach.opened", severity=Severity.INFO, message=message, count=len(opened), places=opened)]
+    if count := len(made.crossing):
+        united = f"{counted(count, 'pair')} of faces ran through each other; the parts were united first, wherever that was"
+        findings.insert(0, Finding(code="detach.united", severity=Severity.INFO, message=united, count=count))
     ending = [contact for contact in made.contacts if contact.end_mm > 0.0]
     if ending:
         places = tuple(Place(mesh=OUTPUT, point_mm=contact.middle_mm) for contact in ending)

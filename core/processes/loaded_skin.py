@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,13 +27,18 @@ class LoadedSkin:
     arrays: Mapping[str, NDArray[np.float64]]
 
 
-def load_skin(href: str, meshes: Mapping[str, Mapping[str, Any]], run: RunContext) -> LoadedSkin:
+def load_skin(
+    href: str,
+    meshes: Mapping[str, Mapping[str, Any]],
+    run: RunContext,
+    require: Callable[[Mesh, str], None] = require_fit_skin,
+) -> LoadedSkin:
     """The first 6 % of a job. Raises: InputError `skin.*`, `reference.not_a_mesh`."""
     load = run.stage("load", 0.0, 0.02)
     source = load_rounded(href, meshes)
     load.advance(1.0, f"skin '{source.name}': {len(source.mesh.faces)} faces")
     run.stage("check the skin", 0.02, 0.06)
-    require_fit_skin(source.mesh, "skin")
+    require(source.mesh, "skin")
     return source
 
 

@@ -32,7 +32,25 @@ _APART_FROM_ITSELF: tuple[Wanted, ...] = (
     ("surface.self_intersecting", (check_self_intersection,)),
 )
 
+_CLOSED_SKIN: tuple[Wanted, ...] = (
+    ("skin.degenerate", (check_degenerate_faces,)),
+    ("skin.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
+    ("skin.not_closed", (check_closed,)),
+    ("skin.not_oriented", (check_orientation,)),
+    ("skin.inside_out", (check_outward,)),
+    ("skin.several_bodies", (check_components,)),
+    ("skin.self_touching", (check_coincident_vertices,)),
+)
+
 HINT = "Mend it with the process `heal`, or in the program it comes from"
+
+
+def require_closed_skin(mesh: Mesh, name: str) -> None:
+    """Ask for one closed, manifold, outward surface, which may run through itself.
+
+    Raises: InputError as `require_fit_skin`, but for `skin.self_intersecting`.
+    """
+    _require(Surface(name, mesh), *_CLOSED_SKIN)
 
 
 def require_fit_skin(mesh: Mesh, name: str) -> None:
@@ -42,17 +60,7 @@ def require_fit_skin(mesh: Mesh, name: str) -> None:
     `skin.degenerate`, `skin.not_manifold`, `skin.not_closed`, `skin.not_oriented`, `skin.inside_out`,
     `skin.several_bodies`, `skin.self_touching`, `skin.self_intersecting`.
     """
-    _require(
-        Surface(name, mesh),
-        ("skin.degenerate", (check_degenerate_faces,)),
-        ("skin.not_manifold", (check_duplicate_faces, check_edge_manifold, check_vertex_manifold)),
-        ("skin.not_closed", (check_closed,)),
-        ("skin.not_oriented", (check_orientation,)),
-        ("skin.inside_out", (check_outward,)),
-        ("skin.several_bodies", (check_components,)),
-        ("skin.self_touching", (check_coincident_vertices,)),
-        ("skin.self_intersecting", (check_self_intersection,)),
-    )
+    _require(Surface(name, mesh), *_CLOSED_SKIN, ("skin.self_intersecting", (check_self_intersection,)))
 
 
 def require_sound_surface(mesh: Mesh, name: str) -> None:

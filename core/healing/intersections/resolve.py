@@ -54,6 +54,19 @@ def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Stage
     return vertices, faces, changes
 
 
+def unite_overlaps(vertices: Vertices, faces: Faces) -> tuple[Vertices, Faces]:
+    """The border of all that a surface holds, however its parts run through each other: no fold is taken for a mistake.
+
+    Needs:    as `resolve`.
+    Promises: as `resolve`, if no pair of faces is left that rounding keeps crossed; such are left to others.
+    """
+    for _ in range(ROUNDS):
+        if not len(find_intersecting_faces(vertices, faces)) or (edges(faces).face_count != 2).any():
+            break
+        vertices, faces, _change = _unite(vertices, faces, Arrangement.of(vertices, faces))
+    return vertices, faces
+
+
 def _mend(vertices: Vertices, faces: Faces, pairs: Ints) -> Staged:
     """One round, of the smallest change that can be made: short edges, then folds, then a union."""
     points, joined, collapsed = collapse_short_edges(vertices, faces, np.unique(pairs))

@@ -9,12 +9,13 @@ import pytest
 
 from core.detaching.detach import Detached, detach
 from core.errors import InputError
+from core.geometry.exact_intersection import find_intersecting_faces
 from core.geometry.quality import quality
 from core.mesh import Mesh
 from core.schema.detach import DetachSettings
 from core.schema.finding import Severity
 from core.validation.validate import validate
-from subjects.touching import balls_grown_together, closed_ring
+from subjects.touching import balls_grown_together, closed_ring, crossing_ring
 from tests.solids import sphere
 
 RADIUS_MM, APART_MM = 30.0, 50.0
@@ -55,6 +56,20 @@ def test_balls_come_apart_along_the_disc_they_share(gap_mm: float) -> None:
     left = result.mesh.vertices[:, 0] < APART_MM / 2
     assert not (left[result.mesh.faces].any(axis=1) & ~left[result.mesh.faces].all(axis=1)).any()
     assert quality(result.mesh.vertices, result.mesh.faces[result.new]).min() > 0.3
+
+
+def test_ends_that_run_into_each_other_are_united_and_come_apart() -> None:
+    mesh = crossing_ring(6.0)
+    box = {"min": [20.0, -30.0, -15.0], "max": [60.0, 30.0, 15.0]}
+    assert len(find_intersecting_faces(mesh.vertices, mesh.faces)) > 0
+    result = opened(mesh, box)
+    (contact,) = result.contacts
+    assert len(result.crossing) > 0
+    assert contact.area_mm2 == pytest.approx(np.pi * (10.0**2 - 7.0**2), rel=0.15)
+    assert (contact.genus_before, contact.genus_after) == (1, 0)
+    assert contact.gap_mm >= 1.0
+    assert not changed_reach_out(mesh, result.mesh, box)
+    assert len(opened(closed_ring(4.0), box).crossing) == 0
 
 
 @pytest.mark.parametrize("apart_mm", [40.0, 30.0])
