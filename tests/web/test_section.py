@@ -67,7 +67,7 @@ def test_sections_have_no_stray_pixels(tmp_path: Path, shared_valkey: ValkeyServ
             picture = look(page)
             seen.picture(f"section-{axis}")
             strays[f"{axis} straight"] = stray_pixels(picture)
-            assert (np.abs(picture - INNERMOST).max(axis=-1) <= 2).sum() > 0.1 * picture[..., 0].size, "the inside is filled"
+            assert (np.abs(picture - INNERMOST).max(axis=-1) <= 2).sum() > 0.05 * picture[..., 0].size, "the inside is filled"
             for _ in range(3):
                 page.locator(".viewer canvas").press("ArrowRight")
                 page.locator(".viewer canvas").press("ArrowUp")
