@@ -15,6 +15,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
+from core.reports.figures.lettering import LetteringRenderer
 from core.reports.figures.png import encode_png
 
 DPI = 150
@@ -62,7 +63,8 @@ class PaintedCanvas(FigureCanvasAgg):  # type: ignore[misc]  # matplotlib is not
 
     def drawn(self) -> NDArray[np.uint8]:
         """The finished sheet, (H, W, 4)."""
-        renderer = self.get_renderer()
+        width, height = self.get_width_height()
+        renderer = LetteringRenderer(width, height, self.figure.dpi)
         ground: NDArray[np.uint8] = np.asarray(renderer.buffer_rgba())
         ground[:] = 255
         for picture, left_px, bottom_px in self._pictures:
@@ -87,7 +89,9 @@ def place_pixels(figure: Sheet, picture: NDArray[np.uint8], left_px: int, bottom
 @contextmanager
 def sheet(width_in: float, height_in: float, dpi: int = DPI) -> Iterator[Sheet]:
     """An empty figure of that size in inches; everything on it must be drawn, and `to_png` called, inside the block."""
-    with matplotlib.rc_context(_SETTINGS):
+    present = matplotlib.rcParams
+    # setting all 300 takes longer than drawing a small figure, and they rarely differ
+    with matplotlib.rc_context({key: value for key, value in _SETTINGS.items() if present[key] != value}):
         figure = Sheet(figsize=(width_in, height_in), dpi=dpi, facecolor=PAPER)
         PaintedCanvas(figure)
         yield figure

@@ -18,6 +18,7 @@ SAMPLES = 2  # pixels are drawn 2 x 2 and averaged
 AMBIENT = 0.45
 OUTLINE_JUMP_MM = 8.0  # a step in depth that gets a line: an arm in front of the chest, an ear before the head
 OUTLINE_SHADE = 0.55
+WIDE_FACE = 16  # samples; of a wider face it pays to work out where each row begins and ends
 MOST_SAMPLES_TRIED = 200_000_000  # a body tries some 10 million; thousands of sheets across the window get thinned
 
 
@@ -93,9 +94,10 @@ class Raster:
         lamp = 0.9 * self.view.toward + 0.35 * self.view.up - 0.25 * self.view.right
         facing = np.abs(self.surface.normals @ (lamp / np.linalg.norm(lamp)))
         brightness = AMBIENT + (1.0 - AMBIENT) * facing
+        light = _light_of_faces(self.projected, self.surface.mesh.faces, brightness)
         jump_mm = max(OUTLINE_JUMP_MM, 3.0 / self.view.pixels_per_mm)
         picture = np.empty((self.face.shape[0] // SAMPLES, self.face.shape[1] // SAMPLES, 3), dtype=np.uint8)
-        _paint(self.projected, self.surface.mesh.faces, brightness, self.face, self.depth, jump_mm, face_colours, picture)
+        _paint(light, self.face, self.depth, jump_mm, face_colours, picture)
         return picture
 
     def sees(self, points: Floats, slack_mm: float) -> NDArray[np.bool_]:
@@ -177,17 +179,55 @@ def _draw_faces(
         right = min(width - 1, int(np.floor(ax + max(0.0, bx, cx) - 0.5)))
         top = max(0, int(np.ceil(ay + min(0.0, by, cy) - 0.5)))
         bottom = min(height - 1, int(np.floor(ay + max(0.0, by, cy) - 0.5)))
+        step_b, step_c = cy / doubled, -by / doubled  # of the weights of the corners from column to column
         for row in range(top, bottom + 1):
             y = row + 0.5 - ay
-            for column in range(left, right + 1):
+            row_b, row_c = -cx * y / doubled, bx * y / doubled
+            first, last = left, right
+            if right - left >= WIDE_FACE:
+                first, last = _span(left, right, row_b, step_b, row_c, step_c, ax)
+            for column in range(first, last + 1):
                 x = column + 0.5 - ax
-                weight_b, weight_c = (x * cy - cx * y) / doubled, (bx * y - x * by) / doubled
+                weight_b, weight_c = row_b + x * step_b, row_c + x * step_c
                 if weight_b < 0.0 or weight_c < 0.0 or weight_b + weight_c > 1.0:
                     continue
                 depth = az + weight_b * bz + weight_c * cz
                 if depth > depth_of_sample[row, column]:
                     depth_of_sample[row, column] = depth
                     face_of_sample[row, column] = f
+
+
+@njit(cache=True, nogil=True)
+def _span(left: int, right: int, row_b: float, step_b: float, row_c: float, step_c: float, ax: float) -> tuple[int, int]:
+    """The columns of a row between which all weights may be positive, with one to spare on each side."""
+    low, high = left + 0.5 - ax, right + 0.5 - ax
+    for at, step in ((row_b, step_b), (row_c, step_c), (1.0 - row_b - row_c, -step_b - step_c)):
+        if step > 0.0:
+            low = max(low, -at / step)
+        elif step < 0.0:
+            high = min(high, -at / step)
+    if not low <= high + 2.0:
+        return left, left - 1
+    return max(left, int(np.floor(low + ax - 1.5))), min(right, int(np.ceil(high + ax + 0.5)))
+
+
+@njit(cache=True, nogil=True)
+def _light_of_faces(projected: Floats, faces: NDArray[np.int32], brightness: Floats) -> Floats:
+    """What gives the light of a face (F, 3) at column x and row y: the first number, plus the others times x and y.
+
+    projected (V, 3): column, row, depth. brightness (V,)."""
+    light = np.zeros((len(faces), 3))
+    for f in range(len(faces)):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        bx, by = projected[b, 0] - projected[a, 0], projected[b, 1] - projected[a, 1]
+        cx, cy = projected[c, 0] - projected[a, 0], projected[c, 1] - projected[a, 1]
+        doubled = bx * cy - cx * by
+        if doubled == 0.0:
+            continue
+        more_b, more_c = (brightness[b] - brightness[a]) / doubled, (brightness[c] - brightness[a]) / doubled
+        light[f, 1], light[f, 2] = more_b * cy - more_c * by, more_c * bx - more_b * cx
+        light[f, 0] = brightness[a] - light[f, 1] * projected[a, 0] - light[f, 2] * projected[a, 1]
+    return light
 
 
 @njit(cache=True, nogil=True)
@@ -205,16 +245,14 @@ def _is_outline(depth: Floats, row: int, column: int, jump_mm: float) -> bool:
 
 @njit(cache=True, nogil=True)
 def _paint(
-    projected: Floats,
-    faces: NDArray[np.int32],
-    brightness: Floats,
+    light_of_faces: Floats,
     face_of_sample: NDArray[np.int32],
     depth: Floats,
     jump_mm: float,
     face_colours: NDArray[np.uint8],
     picture: NDArray[np.uint8],
 ) -> None:
-    """Light, outline and average the samples into picture (H, W, 3); brightness (V,) is interpolated over the faces."""
+    """Light, outline and average the samples into picture (H, W, 3); light_of_faces as `_light_of_faces` gives it."""
     for y in range(picture.shape[0]):
         for x in range(picture.shape[1]):
             red = green = blue = 0.0
@@ -224,13 +262,7 @@ def _paint(
                 if f == NO_FACE:
                     red, green, blue = red + 255.0, green + 255.0, blue + 255.0
                     continue
-                a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-                bx, by = projected[b, 0] - projected[a, 0], projected[b, 1] - projected[a, 1]
-                cx, cy = projected[c, 0] - projected[a, 0], projected[c, 1] - projected[a, 1]
-                px, py = column + 0.5 - projected[a, 0], row + 0.5 - projected[a, 1]
-                doubled = bx * cy - cx * by
-                weight_b, weight_c = (px * cy - cx * py) / doubled, (bx * py - px * by) / doubled
-                light = (1.0 - weight_b - weight_c) * brightness[a] + weight_b * brightness[b] + weight_c * brightness[c]
+                light = light_of_faces[f, 0] + light_of_faces[f, 1] * (column + 0.5) + light_of_faces[f, 2] * (row + 0.5)
                 if _is_outline(depth, row, column, jump_mm):
                     light *= OUTLINE_SHADE
                 red += face_colours[f, 0] * light

@@ -38,7 +38,7 @@ def test_the_settings_of_the_caller_come_back():
 
 
 def test_nothing_but_the_picture_is_in_the_file():
-    assert set(chunks(draw())) == {b"IHDR", b"IDAT", b"IEND"}
+    assert set(chunks(draw())) == {b"IHDR", b"PLTE", b"IDAT", b"IEND"}
 
 
 @pytest.mark.parametrize("name", ["$x^{", "$\\frac{1}{0}$", "a_b^c $5"])

@@ -21,7 +21,7 @@ def draw(wall: np.ndarray) -> tuple[np.ndarray, list[str]]:
     figures = draw_ears({"skin": SKIN}, COLOURS, frame, ears, wall)
     again = draw_ears({"skin": SKIN}, COLOURS, frame, ears, wall)
     assert [figure.png for figure in figures] == [figure.png for figure in again]
-    return np.asarray(Image.open(io.BytesIO(figures[0].png))).astype(int), [figure.name for figure in figures]
+    return np.asarray(Image.open(io.BytesIO(figures[0].png)).convert("RGB")).astype(int), [figure.name for figure in figures]
 
 
 def is_like(pixels: np.ndarray, colour: tuple[int, int, int]) -> np.ndarray:

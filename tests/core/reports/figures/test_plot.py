@@ -14,7 +14,7 @@ BOX = (0.25, 0.25, 0.5, 0.5)  # of a sheet of 200 x 200 pixels: 50 to 150
 
 
 def pixels(png: bytes) -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(png)), dtype=np.int64)
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
 
 
 def red(picture: np.ndarray) -> np.ndarray:

@@ -62,10 +62,25 @@ def test_compiled_and_plain_kernels_agree():
     colours = np.arange(len(mesh.faces) * 3, dtype=np.uint8).reshape(-1, 3)
     brightness, picture = np.linspace(0.4, 1.0, len(mesh.vertices)), np.empty((20, 20, 3), dtype=np.uint8)
     compiled = picture.copy()
-    arguments = (raster.projected, mesh.faces, brightness, face, depth, 8.0, colours)
+    light = view_module._light_of_faces.py_func(raster.projected, mesh.faces, brightness)
+    np.testing.assert_array_equal(light, view_module._light_of_faces(raster.projected, mesh.faces, brightness))
+    arguments = (light, face, depth, 8.0, colours)
     view_module._paint.py_func(*arguments, picture)
     view_module._paint(*arguments, compiled)
     np.testing.assert_array_equal(picture, compiled)
+
+
+def test_wide_faces_cover_what_their_halves_cover():
+    corners = np.array([[-9.3, -7.1, 0], [8.7, -9.9, 0], [9.9, 8.2, 0], [-8.1, 9.6, 0], [0.4, -0.3, 0]])
+    fan = Mesh.of(corners, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    wide = look(Surface.of(fan), straight_down(10.0, 150)).face != NO_FACE
+    middles = [(corners[a] + corners[b]) / 2 for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))]
+    points, faces = [*corners, *middles], []
+    for number, (a, b) in enumerate(((0, 1), (1, 2), (2, 3), (3, 0))):
+        faces += [[a, 5 + number, 4], [5 + number, b, 4]]
+    halved = look(Surface.of(Mesh.of(points, faces)), straight_down(10.0, 150)).face != NO_FACE
+    assert wide.sum() > 30_000
+    assert (wide != halved).sum() <= 4  # samples on an edge, but for rounding
 
 
 def test_a_body_is_drawn_whole_and_a_soup_of_huge_faces_is_thinned():
