@@ -50,18 +50,10 @@ class Reconciliation:
             ).all()
             return list(dict.fromkeys((str(job_id), int(attempt)) for job_id, attempt in [*waiting, *unheard]))
 
-    def mark_rung(self, job_id: str, attempt: int) -> None:
-        """The message of this attempt is with the broker."""
-        with self._db.session() as session:
-            session.execute(
-                update(JobRow)
-                .where(JobRow.id == job_id, JobRow.attempt == attempt, JobRow.status == JobStatus.ACCEPTED)
-                .values(rung_at=self._db.now(session))
-            )
-
     def mark_all_rung(self, attempts: Iterable[tuple[str, int]], session: Session | None = None) -> None:
-        """The same for many (job id, attempt), in one transaction, or in that of `session`. Who is just being taken is left out:
-        nobody waits for a worker here."""
+        """The messages of these (job id, attempt) are with the broker: in one transaction, or in that of `session`.
+
+        Who is just being taken is left out: nobody waits for a worker here."""
         waiting = select(JobRow.id).where(
             tuple_(JobRow.id, JobRow.attempt).in_(list(attempts)), JobRow.status == JobStatus.ACCEPTED
         )

@@ -113,10 +113,7 @@ class Reconciler:
             logger.warning("job %s: no worker host can hold it", job.id)
         for job in self._workshop.cohorts.close_ended():
             logger.info("job %s: the summary of a cohort whose jobs have all ended", job.id)
-        for job_id, attempt in self._workshop.jobs.due_to_ring(self._workshop.settings.rering_s):
-            if not self._workshop.announce(job_id, attempt):
-                return False
-        return True
+        return self._workshop.announce_all(self._workshop.jobs.due_to_ring(self._workshop.settings.rering_s))
 
     def _fail_unfit(self) -> list[Job]:
         settings = self._workshop.settings

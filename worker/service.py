@@ -101,8 +101,7 @@ def run_worker(settings: Settings, *, target: str = TARGET, preload: Sequence[st
         checkpointer.stop()
         presence.leave()
         workshop.nursery.stop()
-        for job_id, attempt in workshop.closing.left:
-            workshop.announce(job_id, attempt)
+        workshop.announce_all(workshop.closing.left)
         workshop.close()
         liveness.end()
     return int(worker.exitcode or 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -77,6 +77,7 @@ class _Attempt:
         self._leave = leave
         self._peak_bytes: int | None = None
         self._last_words = LastWords()
+        self._left: tuple[dict[str, Any], ...] = ()  # files the child said would stay if it was ended
 
     def run(self, folder: Path) -> None:
         """Raises LeaseLostError, DismissedError, ToldToStopError; the child is dead whenever this ends."""
@@ -86,7 +87,7 @@ class _Attempt:
             self._leave()
             self._peak_bytes = outcome.peak_bytes
             self._last_words = last_words(outcome, self._progress.phase, folder)
-            left = outcome.outputs
+            left = outcome.outputs or self._left
             if outcome.error is not None:
                 raise outcome.error
             result = read_result(outcome.result or {})
@@ -113,6 +114,7 @@ class _Attempt:
                 for message in child.events(WATCH_S):
                     self._progress.hear(message)
                     self._steps.hear(message)
+                    self._hear_left(message)
                 self._lease.peak_bytes = child.peak_bytes
                 self._lease.beat()
                 if (now := time.monotonic()) < look_at:  # a child that says much is not looked at each time
@@ -122,6 +124,12 @@ class _Attempt:
                 if overrun is None and (overrun := find_overrun(child)) is not None:
                     child.kill()
         return outcome if overrun is None else Outcome(None, overrun, (), outcome.exit_code, outcome.peak_bytes)
+
+    def _hear_left(self, message: Mapping[str, Any]) -> None:
+        """Take {"kind": "left", "outputs"}; they are read when they are needed (`read_outputs`)."""
+        outputs = message.get("outputs")
+        if message.get("kind") == "left" and isinstance(outputs, list):
+            self._left = tuple(outputs)
 
     def _await_nursery(self) -> None:
         """The lease must be kept while the nursery loads, too."""
@@ -197,7 +205,7 @@ class _Attempt:
             )
         )
         if job is not None and not job.status.is_finished:
-            self._workshop.announce(job.id, job.attempt)
+            self._workshop.announce_all([(job.id, job.attempt)])
 
     def _ran_out_of(self, error: IntegumentError) -> bool:
         """Whether it was the memory of this host, so that a larger one may do."""

@@ -6,6 +6,7 @@ import os
 import socket
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 from core.schema.processes import PROCESSES
 from sandbox.limits import Limits
@@ -102,9 +103,11 @@ class Workshop:
         self.doorbell.close()
         self.db.close()
 
-    def announce(self, job_id: str, attempt: int) -> bool:
-        """Ring for a job that waits; False if the broker is away (the reconciler tries again)."""
-        if not self.doorbell.ring(job_id, attempt):
-            return False
-        self.jobs.mark_rung(job_id, attempt)
-        return True
+    def announce_all(self, attempts: Sequence[tuple[str, int]]) -> bool:
+        """Ring for jobs that wait, up to the first the broker does not take: False, and the reconciler tries again.
+
+        That they were rung is written down at once for all: a commit for each would keep those who accept waiting."""
+        rung = list(takewhile(lambda attempt: self.doorbell.ring(*attempt), attempts))
+        if rung:
+            self.jobs.mark_all_rung(rung)
+        return len(rung) == len(attempts)

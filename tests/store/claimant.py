@@ -5,7 +5,7 @@ Prints `ready`, then one line per job it won. Settings come from the environment
 from __future__ import annotations
 
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 from store.database import Database
 from store.jobs import Jobs
@@ -26,13 +26,13 @@ def main() -> None:
     def race(table: Jobs, name: str) -> None:
         for job_id in job_ids:
             if table.claim(job_id, 1, name, 30.0) is not None:
-                print(job_id, flush=True)
+                sys.stdout.write(f"{job_id}\n")  # in one piece: others write, too
 
-    runners = [threading.Thread(target=race, args=(table, f"thread-{number}")) for number, table in enumerate(tables)]
+    with ThreadPoolExecutor(threads) as pool:
+        runners = [pool.submit(race, table, f"thread-{number}") for number, table in enumerate(tables)]
+    sys.stdout.flush()
     for runner in runners:
-        runner.start()
-    for runner in runners:
-        runner.join()
+        runner.result()  # what stopped one is said by our exit code
 
 
 if __name__ == "__main__":

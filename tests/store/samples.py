@@ -16,7 +16,7 @@ CRASHED = JobFailure.of(InternalError("child.crashed", "the child died of SIGSEG
 def claimed(jobs: Jobs, process: str = "shells") -> Job:
     """A new job, rung and running."""
     waiting = jobs.create(DEFAULT_WORKSPACE, process, {})
-    jobs.mark_rung(waiting.id, 1)
+    jobs.mark_all_rung([(waiting.id, 1)])
     job = jobs.claim(waiting.id, 1, "worker-1", 30.0)
     assert job is not None
     return job

@@ -77,9 +77,9 @@ def test_after_a_restart_no_lease_counts(jobs: Jobs) -> None:
 def test_a_new_job_is_due_until_it_is_rung(jobs: Jobs) -> None:
     job = jobs.create(DEFAULT_WORKSPACE, "shells", {})
     assert jobs.due_to_ring(3600.0) == [(job.id, 1)]
-    jobs.mark_rung(job.id, 2)  # some other attempt
+    jobs.mark_all_rung([(job.id, 2)])  # some other attempt
     assert jobs.due_to_ring(3600.0) == [(job.id, 1)]
-    jobs.mark_rung(job.id, 1)
+    jobs.mark_all_rung([(job.id, 1)])
     assert jobs.due_to_ring(3600.0) == []
     assert jobs.due_to_ring(-1.0) == [(job.id, 1)]  # the message may be lost
 
@@ -94,7 +94,7 @@ def test_of_a_long_queue_only_the_head_is_rung_again(jobs: Jobs, monkeypatch: py
     monkeypatch.setattr(reconciliation, "HEAD_OF_QUEUE", 2)
     rung = [jobs.create(DEFAULT_WORKSPACE, "shells", {}) for _ in range(4)]
     for job in rung:
-        jobs.mark_rung(job.id, 1)
+        jobs.mark_all_rung([(job.id, 1)])
     assert jobs.due_to_ring(-1.0) == [(rung[0].id, 1), (rung[1].id, 1)]
     unheard = jobs.create(DEFAULT_WORKSPACE, "shells", {})
     assert jobs.due_to_ring(-1.0) == [(rung[0].id, 1), (rung[1].id, 1), (unheard.id, 1)]

@@ -64,7 +64,7 @@ class Service:
     def submit(self, act: str = "write", *, ring: bool = True, max_attempts: int = 2, **inputs: Any) -> Job:
         job = self.jobs.create(DEFAULT_WORKSPACE, "validate", {"act": act, **inputs}, max_attempts=max_attempts)
         if ring and self.doorbell.ring(job.id, job.attempt):
-            self.jobs.mark_rung(job.id, job.attempt)
+            self.jobs.mark_all_rung([(job.id, job.attempt)])
         return job
 
     def wait(self, job: Job, until: Callable[[Job], bool] = lambda job: job.status.is_finished, limit_s: float = LIMIT_S) -> Job:

@@ -48,7 +48,7 @@ def test_a_job_waits_for_a_larger_host_and_then_fails_by_name(open_workshop: Cal
     presence = Presence(workshop)
     presence.beat()
     job = workshop.jobs.create(DEFAULT_WORKSPACE, "validate", {}, expectation=LARGE)
-    workshop.jobs.mark_rung(job.id, 1)
+    workshop.jobs.mark_all_rung([(job.id, 1)])
     workers = Workers(workshop.db, workshop.settings)
     workers.beat(replace(presence.word(), name="other:1", host="other", memory_bytes=8 * 1024 * MIB))
     Reconciler(workshop, Liveness(workshop.settings)).reconcile()

@@ -157,7 +157,7 @@ def test_what_was_running_is_queued_again_and_its_old_worker_writes_nothing(kind
     jobs = Jobs(db)
     running, dismissed, waiting = (jobs.create(DEFAULT_WORKSPACE, "heal", {}) for _ in range(3))
     tokens = {job.id: claimed.lease_token for job in (running, dismissed) if (claimed := jobs.claim(job.id, 1, "old", 600))}
-    jobs.mark_rung(waiting.id, 1)
+    jobs.mark_all_rung([(waiting.id, 1)])
     jobs.dismiss(DEFAULT_WORKSPACE, dismissed.id)
     Uploads(db).create(DEFAULT_WORKSPACE, file_name="half.stl", fields={}, length=10)
     make(here, vault)
