@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol, TypeVar
 
 T = TypeVar("T")
@@ -29,18 +29,19 @@ class Checkpoints(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class RunContext:
-    """A span of the job's progress bar, handed down from step to step."""
+    """A span of the job's progress bar, handed down from step to step. on_left: hears of files, see `leave`."""
 
     sink: Callable[[RunEvent], None]
     phase: str = "start"
     low: float = 0.0
     high: float = 100.0
     checkpoints: Checkpoints | None = None
+    on_left: Callable[[Sequence[Mapping[str, str]]], None] | None = None
 
     def stage(self, phase: str, low: float, high: float) -> RunContext:
         """The sub-span from `low` to `high`, fractions of this one, named for the user (`shells: fat`); announced at once."""
         width = self.high - self.low
-        inner = RunContext(self.sink, phase, self.low + low * width, self.low + high * width, self.checkpoints)
+        inner = replace(self, phase=phase, low=self.low + low * width, high=self.low + high * width)
         inner.advance(0.0)
         return inner
 
@@ -52,6 +53,11 @@ class RunContext:
     def log(self, message: str) -> None:
         """One line for the job's log."""
         self.sink(RunEvent("log", round(self.low, 2), self.phase, message))
+
+    def leave(self, files: Sequence[Mapping[str, str]]) -> None:
+        """Say which files stay as outputs if the work is ended from outside from now on: by a limit, or a crash of a library."""
+        if self.on_left is not None:
+            self.on_left(files)
 
     def checkpoint(self, stage: str, make: Callable[[], T], *depends: object) -> T:
         """The output of a step: that of an attempt before if it was kept, else `make()`, kept for the next attempt.

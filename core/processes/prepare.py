@@ -11,10 +11,11 @@ from core.errors import IntegumentError
 from core.processes.loaded_skin import LoadedSkin, load_rounded
 from core.processes.named_input import NamedInput, load_input
 from core.processes.outcome import Outcome
-from core.processes.preparation.delivery import Prepared, as_tissues, deliver, leave_what_is_done, write_record
+from core.processes.preparation.delivery import Prepared, as_tissues, deliver, report_what_is_done
 from core.processes.preparation.detach_step import detach_parts
 from core.processes.preparation.ears_step import fit_ears_of
 from core.processes.preparation.layers_step import make_layers_of
+from core.processes.preparation.left_files import LeftFiles
 from core.processes.preparation.proof_step import prove_surfaces
 from core.processes.preparation.separate_step import separate_tissues
 from core.processes.preparation.skin_steps import SKIN, decimate_skin, heal_skin, smooth_skin
@@ -35,14 +36,16 @@ def run_prepare(inputs: PrepareInputs, meshes: Meshes, run: RunContext, out_dir:
     Raises: what the steps raise (`core.processes.preparation`): with a report of all steps, the surfaces as the last finished
     step left them as outputs, and the record of the steps.
     """
-    log = StepLog(run)
+    left = LeftFiles(run, out_dir)
+    log = StepLog(run, left.keep)
     parameters: dict[str, Any] = {}
     try:
         outcome = _prepare(inputs, meshes, run, log, parameters, out_dir)
-        return replace(outcome, files=(*outcome.files, write_record(log, out_dir)))
+        return replace(outcome, files=(*outcome.files, left.record(log)))
     except IntegumentError as error:
         log.fail(error)
-        leave_what_is_done(error, log, parameters, out_dir)
+        error.outputs = tuple(file.listed(out_dir) for file in left.keep(log))
+        report_what_is_done(error, log, parameters)
         raise
 
 

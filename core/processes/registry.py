@@ -77,13 +77,18 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
 
     payload: {"process", "inputs", "meshes": {href: {"path", "name", "sha256", "media_type", "file_name"}}, "out_dir"}, and
     if steps are kept "checkpoints": {"folder", "kept": {key: path}, "worth_s", "room_bytes"}; a step kept is announced by a
-    message {"kind": "checkpoint", "key", "stage"}.
+    message {"kind": "checkpoint", "key", "stage"}. Files that stay if the work is ended from outside are announced by
+    {"kind": "left", "outputs"}, listed as below.
     Returns {"verdict", "summary", "outputs": [{"name", "path", "media_type", "file_name"}]} with paths below `out_dir`'s
     parent as given. Raises: IntegumentError, whose `outputs` name the report, and what else was left nevertheless.
     """
     out_dir = Path(payload["out_dir"])
     process: str = payload["process"]
-    context = RunContext(sink=lambda event: channel.send(_message(event)), checkpoints=_kept_steps(payload, channel))
+    context = RunContext(
+        sink=lambda event: channel.send(_message(event)),
+        checkpoints=_kept_steps(payload, channel),
+        on_left=lambda files: channel.send({"kind": "left", "outputs": list(files)}),
+    )
     if process == COHORT_SUMMARY:
         return run_cohort_summary(payload, context, out_dir)
     if process not in HANDLERS:

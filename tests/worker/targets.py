@@ -46,6 +46,10 @@ def run(payload: Payload, channel: Channel) -> Payload:
         )
         error.outputs = (_output("report", payload["out_dir"] + "/report.json"),)
         raise error
+    if act == "leave":
+        (Path(payload["out_dir"]) / "report.json").write_text("half way")
+        channel.send({"kind": "left", "outputs": [_output("record", payload["out_dir"] + "/report.json")]})
+        return dict(getattr(hostile, inputs["end"])(inputs, channel))
     if act == "full_disk":
         raise OSError(errno.ENOSPC, "no room")
     if act == "lie":

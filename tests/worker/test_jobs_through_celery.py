@@ -63,6 +63,14 @@ def test_an_input_error_fails_at_once_and_leaves_its_report(running: Service) ->
     assert running.blobs.path(failed.outputs["report"].sha256).read_text() == "refused"
 
 
+@pytest.mark.parametrize(("end", "code"), [("segfault", "child.crashed"), ("loop_in_native_code", "limit.wall_time")])
+def test_what_a_child_said_would_stay_is_kept_if_it_is_ended(running: Service, end: str, code: str) -> None:
+    failed = running.wait(running.submit("leave", end=end, max_attempts=1))
+    assert failed.failure is not None
+    assert failed.failure.code == code
+    assert running.blobs.path(failed.outputs["record"].sha256).read_text() == "half way"
+
+
 @pytest.mark.parametrize(
     ("act", "code", "attempts"),
     [

@@ -1,4 +1,4 @@
-"""The end of `prepare`: report, figures, package and tetrahedra as files; or what is left when a step failed."""
+"""The end of `prepare`: report, figures, package and tetrahedra as files; or the report of what was done when a step failed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import IntegumentError
-from core.io.registry import write_mesh
 from core.mesh import Mesh
 from core.package.build import build_package
 from core.package.conductivity import conductivities
@@ -27,8 +26,6 @@ from core.schema.prepare import PrepareInputs
 from core.schema.report import RegionReport, Report
 from core.tetrahedra.volume_mesh import VolumeMesh
 from core.validation.validate import Validation
-
-RECORD = OutputFile("steps", Path("steps.json"), "application/json", "steps.json")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,19 +82,8 @@ def deliver(made: Prepared, log: StepLog, run: RunContext, out_dir: Path) -> Out
     return Outcome(packed, figures, files, {tissue.name: tissue.mesh for tissue in made.tissues}, depths)
 
 
-def write_record(log: StepLog, out_dir: Path) -> OutputFile:
-    """The record of the steps, with times."""
-    (out_dir / RECORD.path).write_text(log.records().model_dump_json(indent=2) + "\n", encoding="utf-8")
-    return RECORD
-
-
-def leave_what_is_done(error: IntegumentError, log: StepLog, parameters: Mapping[str, Any], out_dir: Path) -> None:
-    """Give an error the report and figures of all steps, and as outputs their record and the surfaces as they are by now."""
-    files = [write_record(log, out_dir)]
-    for name, mesh in log.surfaces.items():
-        write_mesh(mesh, out_dir / f"{name}.stl", "stl", name)
-        files.append(_surface_file(name))
-    error.outputs = tuple(file.listed(out_dir) for file in files)
+def report_what_is_done(error: IntegumentError, log: StepLog, parameters: Mapping[str, Any]) -> None:
+    """Give an error the report and figures of all steps."""
     error.figures = (*error.figures, *log.figures(log.surfaces))
     known = error.report or Report(process="prepare", verdict="not_ready", summary=error.message)
     steps = log.reports()

@@ -37,10 +37,13 @@ UNTOLD = ("package",)  # a report cannot tell of the step that writes it
 
 
 class StepLog:
-    """`take` does a step or finds it done; `tell` says what it did. What is never told was not reached."""
+    """`take` does a step or finds it done; `tell` says what it did. What is never told was not reached.
 
-    def __init__(self, run: RunContext) -> None:
+    told: called with the log after every step that is done."""
+
+    def __init__(self, run: RunContext, told: Callable[[StepLog], object]) -> None:
         self._run = run
+        self._told = told
         self._reports: dict[str, StepReport] = {}
         self._records: dict[str, StepRecord] = {}
         self._drawn: dict[str, Draw] = {}
@@ -90,6 +93,7 @@ class StepLog:
         self._records[report.name] = record
         self._under_way = ""
         self._stage_now.log(record.line())
+        self._told(self)
 
     def leave_out(self, name: str, why: str) -> None:
         """A step nobody asked for."""

@@ -41,6 +41,7 @@ class Attempt:
         self.out.mkdir()
         self.made: dict[str, str] = {}
         self.log: list[str] = []
+        self.left: list[dict[str, Path]] = []  # by name, after every step
         self._payload = {"process": "prepare", "inputs": inputs, "meshes": entries, "out_dir": str(self.out)}
         if kept is not None:
             paths = {key: str(path) for key, path in kept.items()}
@@ -55,6 +56,8 @@ class Attempt:
         """Takes what a worker would hear."""
         if message["kind"] == "checkpoint":
             self.made[message["key"]] = message["stage"]
+        elif message["kind"] == "left":
+            self.left.append({output["name"]: Path(output["path"]) for output in message["outputs"]})
         elif message["kind"] == "log":
             self.log.append(str(message["message"]))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -118,6 +119,17 @@ def test_an_attempt_after_a_crash_does_nothing_twice(first: Attempt, done: dict[
     assert {step["name"] for step in record if step["taken_from_attempt_before"]} == set(STEPS) - {"detach"}
     for name in set(result["files"]) - {"steps"}:  # its seconds are those of the attempt
         assert _sha256(result["files"][name]) == _sha256(done["files"][name]), name
+
+
+def test_after_every_step_there_is_what_a_killed_job_leaves(first: Attempt, done: dict[str, Any]) -> None:
+    names = [set(left) - {"steps"} for left in first.left]
+    assert names[0] == {"skin"}  # healed
+    assert names[-1] == {"skin", "fat", "average_body", "brain", "white", "eye"}
+    assert all(before <= after for before, after in pairwise(names))
+    for name, path in first.left[-1].items():
+        if name != "steps":  # the same surfaces as in the package
+            assert path.read_bytes() == done["files"][name].read_bytes()
+    assert [path.name for path in (first.out / "left").iterdir() if path.suffix not in (".stl", ".json")] == []
 
 
 def test_a_failing_step_leaves_the_results_before_it(first: Attempt, tmp_path: Path) -> None:
