@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from store.api_keys import ApiKeys
+from store.job import JobFailure
 from store.scope import Scope
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
@@ -36,16 +37,38 @@ def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -
         yield live
 
 
-@pytest.mark.parametrize(("size", "dark"), [(DESK, False), (PHONE, True)], ids=["1280-light", "390-dark"])
-@pytest.mark.parametrize("place", ["", "new", "jobs", "cohorts", "nowhere"])
-def test_every_page_is_usable_and_fits(api: Live, browser: Browser, place: str, size: dict[str, int], dark: bool) -> None:
-    with visit(browser, api.url, size=size, dark=dark) as seen:
-        seen.page.goto(f"/#/{place}")
+@pytest.mark.parametrize("place", ["", "new", "jobs", "cohorts", "nowhere", "jobs/{failed}", "compare?a={failed}&b={waiting}"])
+def test_every_page_is_usable_and_fits(api: Live, browser: Browser, place: str) -> None:
+    failed = api.failed(JobFailure("heal.unsound", "input", "the skin crosses itself at 3 places", retryable=False))
+    waiting = api.accepted()
+    with visit(browser, api.url) as seen:
+        seen.page.goto(f"/#/{place.format(failed=failed.id, waiting=waiting.id)}")
         expect(seen.page.get_by_role("heading", level=1)).to_be_visible()
-        seen.page.wait_for_load_state("networkidle" if place != "jobs" else "load")
-        assert seen.barriers() == []
-        assert seen.page.evaluate("document.documentElement.scrollWidth") <= size["width"], "nothing sticks out to the side"
-        seen.picture(f"state-{place or 'meshes'}-{size['width']}-{'dark' if dark else 'light'}")
+        seen.page.wait_for_load_state("load" if place == "jobs" else "networkidle")
+        assert seen.barriers_everywhere() == []
+        seen.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
+        seen.page.emulate_media(color_scheme="dark")
+        seen.picture(f"state-{re.sub('[^a-z].*', '', place) or 'meshes'}-390-dark")
+
+
+def test_every_form_is_usable_and_fits(api: Live, browser: Browser) -> None:
+    processes = [one["id"] for one in api.client.get("/v1/processes").json()["processes"]]
+    assert len(processes) > 10
+    with visit(browser, api.url) as seen:
+        found = {}
+        for process in processes:
+            seen.page.set_viewport_size(DESK)  # type: ignore[arg-type]
+            seen.page.goto(f"/#/jobs?before={process}")
+            seen.page.goto(f"/#/new?process={process}")
+            expect(seen.page.get_by_label("Process")).to_have_value(process)
+            expect(seen.page.get_by_role("region", name="Inputs")).to_be_visible()
+            for group in seen.page.get_by_role("checkbox", name="Use it").all():
+                group.check()  # with all that may be left out
+            found[process] = seen.barriers()
+            seen.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
+            if seen.page.evaluate("document.documentElement.scrollWidth") > PHONE["width"]:
+                found[process].append("sticks out to the side")
+        assert not any(found.values()), found
 
 
 def test_hostile_names_are_text(api: Live, browser: Browser, tmp_path: Path) -> None:

@@ -1,17 +1,18 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { getInputs, getOutputs, getReport } from "../api/jobs";
-import { messageOf, ServerError } from "../api/server";
+import { ServerError } from "../api/server";
 import type { Finding, Job, Report, ResultReference } from "../api/types";
 import { makeTree } from "../mesh/workshop";
 import { tissueColours } from "../tissues";
-import type { Clip, Field, Marker, Point, Surface } from "../viewer/surface";
+import type { Clip, Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
+import { Beside } from "./beside";
 import { ClipControl } from "./clip_control";
 import { Downloads } from "./downloads";
 import { useDrawnCoil } from "./drawn_coil";
 import { Failure } from "./failure";
-import { type FieldChoice, MAGNITUDE, makeField } from "./field_choice";
 import { FieldControl } from "./field_control";
+import { useFields } from "./fields_of";
 import { Findings } from "./findings";
 import { useLoaded } from "./loaded";
 import { Numbers } from "./numbers";
@@ -39,14 +40,10 @@ export function ResultView({ job }: { job: Job }) {
   const coil = useDrawnCoil(inputs.value?.inputs ?? null);
   const [looks, setLooks] = useState<Looks>({});
   const [clip, setClip] = useState<Clip | null>(null);
-  const [choice, setChoice] = useState<FieldChoice | null>(null);
-  const solved = Object.values(triangles.meshes).some((mesh) => mesh.magnitudes);
-  useEffect(() => setChoice(solved ? MAGNITUDE : null), [solved]); // what the job was asked for is seen at once
-  const [fields, setFields] = useState<Record<string, Field>>({});
-  const [range, setRange] = useState<[number, number] | null>(null);
-  const [fieldError, setFieldError] = useState("");
+  const { choice, choose, fields, range, setRange, solved, failure } = useFields(triangles.meshes);
   const [markers, setMarkers] = useState<Marker[]>([]);
   const [viewer, setViewer] = useState<Viewer | null>(null);
+  const [withCoil, setWithCoil] = useState(true);
   const [beside, setBeside] = useState(false);
 
   // from outside inwards, which is also the order they are drawn in
@@ -80,28 +77,6 @@ export function ResultView({ job }: { job: Job }) {
       }),
     [triangles.meshes, looks, fields, choice, low, high],
   );
-  useEffect(() => {
-    setFields({});
-    setRange(null);
-    setFieldError("");
-    if (!choice) return;
-    let gone = false;
-    const found: Record<string, Field> = {};
-    const to = choice.to ? (triangles.meshes[choice.to] ?? null) : null;
-    for (const name of names.filter((one) => one !== choice.to)) {
-      makeField(choice, triangles.meshes[name]!, to).then(
-        (field) => {
-          found[name] = field;
-          if (!gone) setFields({ ...found });
-        },
-        (error) => !gone && setFieldError(messageOf(error)),
-      );
-    }
-    return () => {
-      gone = true;
-    };
-  }, [choice, triangles.meshes]);
-
   const fly = (point: Point, finding: Finding) => {
     setMarkers(finding.places.map((place) => ({ point: place.point_mm, severity: finding.severity })));
     if (clip && (clip.keep === "below" ? point[clip.axis] > clip.at : point[clip.axis] < clip.at)) setClip(null);
@@ -123,7 +98,7 @@ export function ResultView({ job }: { job: Job }) {
             surfaces={beside ? surfaces.slice(0, 1) : surfaces}
             clip={clip}
             markers={markers}
-            coil={coil}
+            coil={withCoil ? coil : null}
             onViewer={setViewer}
             loading={loading ? "Loading the surfaces…" : ""}
             failure={triangles.failure}
@@ -146,10 +121,20 @@ export function ResultView({ job }: { job: Job }) {
               solved={solved}
               choice={choice}
               field={measured[0] ? { ...measured[0], low, high } : null}
-              failure={fieldError}
-              onChoice={setChoice}
+              failure={failure}
+              onChoice={choose}
               onRange={(low, high) => setRange([low, high])}
             />
+            {coil && (
+              <label class="row">
+                <input
+                  type="checkbox"
+                  checked={withCoil}
+                  onChange={(event) => setWithCoil(event.currentTarget.checked)}
+                />
+                The coil
+              </label>
+            )}
             {names.length > 1 && (
               <label class="row">
                 <input type="checkbox" checked={beside} onChange={(event) => setBeside(event.currentTarget.checked)} />
@@ -173,39 +158,4 @@ export function ResultView({ job }: { job: Job }) {
 /** A job that never came far has no report. */
 function isMissing(error: unknown): boolean {
   return error instanceof ServerError && error.status === 404;
-}
-
-/** A second view that moves with the first one, of a surface of one's choice. */
-function Beside(props: { surfaces: Surface[]; clip: Clip | null; markers: Marker[]; leader: Viewer | null }) {
-  const { surfaces, leader } = props;
-  const [name, setName] = useState(surfaces[1]?.name ?? "");
-  const [follower, setFollower] = useState<Viewer | null>(null);
-  const shown = useMemo(() => surfaces.filter((one) => one.name === name), [surfaces, name]);
-  useEffect(() => {
-    if (!leader || !follower) return;
-    const follow = () => follower.gaze.setView(leader.gaze.view);
-    follow();
-    return leader.gaze.onMove(follow);
-  }, [leader, follower]);
-  return (
-    <div class="stack">
-      <ViewerPane
-        makeTree={makeTree}
-        label={`3D view of ${name}`}
-        surfaces={shown}
-        clip={props.clip}
-        markers={props.markers}
-        onViewer={setFollower}
-        empty="Choose a surface."
-      />
-      <label class="row">
-        Beside it
-        <select value={name} onChange={(event) => setName(event.currentTarget.value)}>
-          {surfaces.map((one) => (
-            <option key={one.name}>{one.name}</option>
-          ))}
-        </select>
-      </label>
-    </div>
-  );
 }
