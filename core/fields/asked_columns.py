@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 PLACES = ("x", "y", "z")
 VECTOR = ("ex", "ey", "ez")
 MAGNITUDE = "mage"
+SPELLED = {"ex": "Ex", "ey": "Ey", "ez": "Ez", MAGNITUDE: "magE"}
 ALSO_MAGNITUDE = frozenset({"mage", "magne", "norme", "emag", "e", "|e|", "abse"})
 
 
@@ -48,7 +49,8 @@ def points_of(table: FieldTable, columns: Sequence[str] | None, not_finite: Lite
             columns=len(table.names),
         )
     named = _known(table.names if columns is None else columns)
-    field = VECTOR if all(name in named for name in VECTOR) else (MAGNITUDE,)
+    parts = [name for name in VECTOR if name in named]
+    field = VECTOR if len(parts) == len(VECTOR) or (parts and MAGNITUDE not in named) else (MAGNITUDE,)
     missing = [name for name in (*PLACES, *field) if name not in named]
     if missing:
         raise _missing(table, columns, missing)
@@ -85,9 +87,10 @@ def _missing(table: FieldTable, columns: Sequence[str] | None, missing: list[str
         told = f"the file's header names {', '.join(name or '(none)' for name in table.names)[:200]}"
     else:
         told = f"the file has no header for its {len(table.names)} columns"
+    called = ", ".join(SPELLED.get(name, name) for name in missing)
     return InputError(
         "fields.columns_missing",
-        f"no column is called {', '.join(missing)}: {told}; name all columns from left to right, as x y z Ex Ey Ez, or magE",
+        f"no column is called {called}: {told}; name all columns from left to right, as x y z Ex Ey Ez, or magE",
         columns=len(table.names),
     )
 

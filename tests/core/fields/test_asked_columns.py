@@ -45,9 +45,10 @@ def test_places_are_in_the_unit_of_the_upload() -> None:
     ("names", "columns", "code", "words"),
     [
         ((), None, "fields.columns_missing", "no header for its 7 columns"),
-        ((), ["x", "y", "Ex", "Ey"], "fields.columns_missing", "z, mage: the columns named are x, y, Ex, Ey"),
+        ((), ["x", "y", "Ex", "Ey"], "fields.columns_missing", "z, Ez: the columns named are x, y, Ex, Ey"),
         (("a", "b", "c", "d", "e", "f", "g"), None, "fields.columns_missing", "header names a, b"),
-        ((), ["x", "y", "z", "Ex", "Ey", "-", "-"], "fields.columns_missing", "mage"),
+        ((), ["x", "y", "z", "-", "-", "-", "-"], "fields.columns_missing", "called magE: "),
+        ((), ["x", "y", "z", "Ex", "Ey", "-", "-"], "fields.columns_missing", "called Ez: "),
         ((), ["-"] * 8, "fields.columns_differ", "8 columns were named, the file has 7"),
     ],
 )
