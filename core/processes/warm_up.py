@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from core.decimation.decimate import decimate
+from core.fields.containing import TetrahedronTree
 from core.geometry.clearance import Clearance, MovingSurface
 from core.grafting.band import triangulate_band
 from core.healing.heal import heal
@@ -38,7 +39,7 @@ ANY_MESH = MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000")
 
 def warm_up_steps() -> Sequence[Callable[[], object]]:
     """One per family of kernels, what is asked for most often first. Each alone compiles what it needs."""
-    return (_shells, _mending_of_poor_faces, _healing, _decimation, _smoothing, _separation, _grafting, software_digest)
+    return (_shells, _mending_of_poor_faces, _healing, _decimation, _smoothing, _separation, _grafting, _fields, software_digest)
 
 
 def warm_up() -> None:
@@ -97,3 +98,9 @@ def _separation() -> None:
 def _grafting() -> None:
     vertices = _cube().vertices
     triangulate_band(vertices[[0, 4, 6, 2]], vertices[[1, 5, 7, 3]])
+
+
+def _fields() -> None:
+    """A point asked for in a tetrahedron; the distances to triangles are compiled with what all checks need."""
+    corners = np.array([CUBE_CORNERS[corner] for corner in (0, 1, 2, 4)])
+    TetrahedronTree.of(corners[None]).find(corners.mean(axis=0)[None])

@@ -60,7 +60,8 @@ _NEEDS: Mapping[str, _Need] = {
     "graft": _Need(400, 900, s=2.0, s_per_face=45e-6),
     "heal": _Need(200, 540, s=0.5, s_per_face=21e-6),
     "decimate": _Need(300, 590, s=1.0, s_per_face=26e-6),
-    "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=160e-6),  # of gmsh, the slower mesher
+    "tetrahedralize": _Need(400, 5600, s=2.0, s_per_face=115e-6),
+    "tetrahedralize by gmsh": _Need(400, 5600, s=2.0, s_per_face=210e-6),
     "detach": _Need(400, 900, s=12.0, s_per_face=30e-6),
     "separate": _Need(400, 850, s=3.0, s_per_face=130e-6),
     "segment": _Need(400, 450, s=3.0, s_per_face=170e-6),
@@ -68,6 +69,7 @@ _NEEDS: Mapping[str, _Need] = {
     "smooth": _Need(400, 850, s=1.5, s_per_face=45e-6),
 }
 DEFAULT_ITERATIONS = 20
+SLOWER_MESHERS = ("gmsh",)
 
 
 def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
@@ -77,7 +79,7 @@ def expect(process: str, inputs: Mapping[str, Any], faces: int) -> Expectation:
     iterations takes time for each. Source: `python -m benchmarks.expectations`, docs/benchmarks.md."""
     if process == "prepare":
         return _expect_chain(inputs, faces)
-    need = _NEEDS.get(process)
+    need = _NEEDS.get(f"{process} by {inputs['mesher']}" if inputs.get("mesher") in SLOWER_MESHERS else process)
     if need is None:
         return UNKNOWN
     layers = len(inputs.get("layers") or ())
@@ -105,6 +107,6 @@ def _expect_chain(inputs: Mapping[str, Any], faces: int) -> Expectation:
     steps += [expect(name, {}, faces) for name in chosen]
     steps.append(expect("shells" if inputs.get("ears") is None else "ears", inputs, faces))
     if inputs.get("tetrahedra") is not None:
-        steps.append(expect("tetrahedralize", {}, faces * (layers + 1)))
+        steps.append(expect("tetrahedralize", inputs["tetrahedra"], faces * (layers + 1)))
     cpu_s = [step.cpu_s for step in steps if step.cpu_s is not None]
     return Expectation(max(step.memory_bytes for step in steps), round(sum(cpu_s), 1))

@@ -25,6 +25,8 @@ MEASURED = [  # process, inputs, faces, peak MB, processor seconds; on the body
     ("decimate", {}, 107_024, 298, 3.7),
     ("smooth", {}, 26_756, 379, 2.8),
     ("smooth", {}, 107_024, 399, 6.4),
+    ("tetrahedralize", {}, 26_756 * 3, 700, 11.2),
+    ("tetrahedralize", {"mesher": "gmsh"}, 26_756 * 3, 719, 16.7),
     ("shells", TWO, 428_096, 1079, 85.3),
     ("shells", SIX, 428_096, 2713, 254.1),
     ("ears", TWO, 428_096, 4432, 101.4),
@@ -56,6 +58,17 @@ def test_the_defaults_of_a_stored_request_count() -> None:
     assert expect("shells", stored, 26_756) == expect("shells", TWO, 26_756)
     more = expect("shells", SIX, 26_756)
     assert more.memory_bytes > expect("shells", TWO, 26_756).memory_bytes
+
+
+def test_the_slower_mesher_takes_longer_alone_and_in_the_chain() -> None:
+    for process, asked in (
+        ("tetrahedralize", lambda mesher: {"mesher": mesher}),
+        ("prepare", lambda mesher: {"tetrahedra": {"mesher": mesher}}),
+    ):
+        tetgen, gmsh = (expect(process, asked(mesher), 107_024).cpu_s for mesher in ("tetgen", "gmsh"))
+        assert tetgen is not None
+        assert gmsh is not None
+        assert gmsh > tetgen + 5.0
 
 
 def test_smoothing_without_an_early_end_takes_its_time() -> None:
