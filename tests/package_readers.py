@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import meshio
+import mne
 import numpy as np
 import openmeeg
 import scipy.io
@@ -24,6 +26,7 @@ def read_every_export(folder: Path) -> dict[str, Any]:
     _read_surfaces(folder, manifest)
     _read_indices(folder, manifest)
     _read_openmeeg(folder, manifest)
+    _read_mne(folder, manifest)
     faces = {tissue["region_tag"]: tissue["faces"] for tissue in manifest["tissues"]}
     assert sizes_in_gmsh(folder / "gmsh/surfaces.msh", dimension=2) == {SURFACE + tag: count for tag, count in faces.items()}
     nastran = meshio.read(folder / "nastran/surfaces.nas").cell_data_dict["nastran:ref"]["triangle"]
@@ -82,6 +85,19 @@ def _read_openmeeg(folder: Path, manifest: dict[str, Any]) -> None:
         assert len(mesh.triangles()) == tissue["faces"]
         assert mesh.has_correct_orientation()
     assert len(geometry.vertices()) == sum(tissue["vertices"] for tissue in manifest["tissues"])
+
+
+def _read_mne(folder: Path, manifest: dict[str, Any]) -> None:
+    """The outermost surface from its MAT file, as README.txt tells: MNE itself decides whether it is complete."""
+    skin = manifest["tissues"][0]
+    surface = scipy.io.loadmat(folder / skin["mat_file"])
+    with TemporaryDirectory() as name:
+        target = Path(name) / "body" / "bem" / "inner_skull.surf"  # where MNE looks for a single layer
+        target.parent.mkdir(parents=True)
+        mne.write_surface(target, surface["P"], surface["t"].astype(int) - 1, verbose="ERROR")
+        (layer,) = mne.make_bem_model("body", ico=None, conductivity=(0.3,), subjects_dir=name, verbose="ERROR")
+    assert len(layer["tris"]) == skin["faces"]
+    np.testing.assert_allclose(1000 * layer["rr"], surface["P"], atol=1e-3)  # its file is float32
 
 
 def _read_volume(path: Path, faces: dict[int, int]) -> None:
