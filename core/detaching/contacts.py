@@ -102,7 +102,8 @@ def _other_number(
         f"the thinner part; `narrowing` allows {narrowing:.0%}, or {DEEPEST:.0%} with a crease around the contact"
         if seen
         else "the body there has one part only, parts that do not meet inside of the box, or parts sunk into each other by more "
-        f"than the radius of the thinner one (it must be {LEAST_RISE_CUBES * grid.size_mm:.3g} mm deeper than the contact)"
+        f"than the radius of the thinner one (it must be {LEAST_RISE_CUBES * grid.size_mm:.3g} mm deeper than the contact); let "
+        "the box hold the thick middle of both parts, and pose parts that are sunk so deep farther apart"
     )
     places = [_place(grid, seen.pass_cube)] if seen else [_place(grid, int(np.flatnonzero(grid.solid)[0]))]
     return InputError("detach.no_contact", message, findings=contact_findings("detach.no_contact", places, message))

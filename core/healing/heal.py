@@ -101,7 +101,9 @@ class _Draft:
             self._close(inputs, measure_volume=number == 0)
             step.advance(0.3, f"{len(self.faces)} faces, closed")
             self._apply(face_outward)
-            self.vertices, self.faces, changes = resolve(self.vertices, self.faces, step.stage("heal: intersections", 0.3, 0.9))
+            self.vertices, self.faces, changes = resolve(
+                self.vertices, self.faces, step.stage("heal: intersections", 0.3, 0.9), inputs.max_deviation_mm
+            )
             self.changes += changes
             self._apply(partial(drop_pieces, policy=inputs.pieces, min_share=inputs.min_piece_share))
             if not find_faults(self.compact()):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,8 +33,8 @@ Ints = NDArray[np.int64]
 ROUNDS = 10  # smoothing here may press there; rounding after a union may cross again
 
 
-def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Staged:
-    """Free a surface of self-intersection.
+def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT, farthest_mm: float = math.inf) -> Staged:
+    """Free a surface of self-intersection. What could be smoothed out only by moving farther than `farthest_mm` is united.
 
     Needs:    closed, manifold, oriented faces without any of zero area; coordinates as float32 holds them. One that is not
               closed (any more) comes back for other stages to close.
@@ -46,7 +48,7 @@ def resolve(vertices: Vertices, faces: Faces, run: RunContext = SILENT) -> Stage
         if len(pairs) == 0 or (edges(faces).face_count != 2).any():
             return vertices, faces, changes
         step.advance(0.3, f"{len(pairs)} intersecting pairs of faces")
-        vertices, faces, done = _mend(vertices, faces, pairs)
+        vertices, faces, done = _mend(vertices, faces, pairs, farthest_mm)
         changes += done
     pairs = find_intersecting_faces(vertices, faces)
     if len(pairs):
@@ -67,7 +69,7 @@ def unite_overlaps(vertices: Vertices, faces: Faces) -> tuple[Vertices, Faces]:
     return vertices, faces
 
 
-def _mend(vertices: Vertices, faces: Faces, pairs: Ints) -> Staged:
+def _mend(vertices: Vertices, faces: Faces, pairs: Ints, farthest_mm: float) -> Staged:
     """One round, of the smallest change that can be made: short edges, then folds, then a union."""
     points, joined, collapsed = collapse_short_edges(vertices, faces, np.unique(pairs))
     if collapsed:
@@ -78,7 +80,7 @@ def _mend(vertices: Vertices, faces: Faces, pairs: Ints) -> Staged:
     _, piece = face_components(edges(faces))
     clusters = find_clusters(faces, len(vertices), pairs)
     folds = [cluster for cluster in clusters if _is_fold(cluster, piece, inverted)]
-    unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs)
+    unfolded, change = _unfold_all(vertices, faces, folds, inverted, pairs, farthest_mm)
     if change is not None:
         return unfolded, faces, [change]
     if not (arrangement.outside == 0).any():  # all inside out: there is no inside to unite
@@ -95,7 +97,7 @@ def _is_fold(cluster: Cluster, piece: Ints, inverted: Flags) -> bool:
 
 
 def _unfold_all(
-    vertices: Vertices, faces: Faces, folds: list[Cluster], inverted: Flags, pairs: Ints
+    vertices: Vertices, faces: Faces, folds: list[Cluster], inverted: Flags, pairs: Ints, farthest_mm: float
 ) -> tuple[Vertices, Change | None]:
     """Smooth out what can be; no change if nothing can. Faces around vertices that were out of place count as replaced."""
     if not folds:
@@ -107,6 +109,8 @@ def _unfold_all(
         if mended is None:
             continue
         rows = np.flatnonzero((mended[0] != vertices).any(axis=1))
+        if closest_points_in(tree, mended[0][rows])[0].max() > farthest_mm:
+            continue  # no fold but a part that runs into another, as an arm into the torso up to the armpit
         away = np.linalg.norm(mended[0][rows] - vertices[rows], axis=1)
         points.append(before[rows[away.argmax()]])
         distances.append(away.max())

@@ -5,6 +5,7 @@ import pytest
 
 from core.detaching.detach import detach
 from core.schema.detach import DetachSettings
+from subjects.people import person
 from subjects.touching import arms_lowered, feet_turned_in, grown_together, legs_closed
 from subjects.trial import READY, attempt
 
@@ -15,8 +16,9 @@ ARMS = [
 ]
 
 
-def test_both_arms_come_off_and_shells_can_be_made() -> None:
-    skin = grown_together(arms_lowered(42.0))
+@pytest.mark.parametrize("is_united", [True, False])
+def test_both_arms_come_off_and_shells_can_be_made(is_united: bool) -> None:
+    skin = grown_together(arms_lowered(42.0)) if is_united else person(turns=arms_lowered(42.0)).rounded_to_float32()
     result = detach(skin, DetachSettings.model_validate({"regions": ARMS}))
     assert [contact.region for contact in result.contacts] == ["left", "right"]
     for contact in result.contacts:
@@ -25,7 +27,7 @@ def test_both_arms_come_off_and_shells_can_be_made() -> None:
         assert 0.8 < contact.volume_mm3 / (contact.area_mm2 * contact.gap_mm) < 2.0
     x, y = np.abs(skin.vertices[:, 0]), skin.vertices[:, 1]
     kept = {place.tobytes() for place in result.mesh.vertices + 0.0}
-    away = (y < 300.0) | (y > 455.0) | (x < 50.0)
+    away = (y < 300.0) | (y > 480.0) | (x < 50.0)
     assert all(place.tobytes() in kept for place in skin.vertices[away] + 0.0)
     trial = attempt(result.mesh, (1.0, 3.0))
     assert (trial.outcome, trial.broken) == (READY, ())

@@ -8,9 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.errors import InputError
+from core.healing.fitness import find_faults
 from core.healing.heal import heal
 from core.mesh import Mesh
 from subjects import body as real
+from subjects.people import person
+from subjects.touching import arms_lowered
 from tests.core.healing.asked import healed, inputs, kinds, require_same
 from tests.solids import cube, moebius_strip, octahedron, sphere, tetrahedron, torus, without_faces
 
@@ -176,3 +179,12 @@ def test_the_input_is_left_alone() -> None:
     heal(mesh, inputs())
     assert np.array_equal(mesh.vertices, vertices)
     assert np.array_equal(mesh.faces, faces)
+
+
+def test_an_arm_in_the_torso_up_to_the_armpit_is_united_and_not_smoothed_away() -> None:
+    skin = person(turns=arms_lowered(42.0)).rounded_to_float32()
+    made = heal(skin, inputs())
+    assert kinds(made) == ["overlaps"]
+    assert (made.former >= 0).sum() > 0.98 * len(skin.faces)
+    assert made.changes[-1]["lost_mm"] < 0.1
+    assert find_faults(made.mesh) == ()
