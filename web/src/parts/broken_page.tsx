@@ -4,7 +4,7 @@ import { messageOf } from "../api/server";
 
 /** Where a page cannot be drawn, by a fault of ours, it says so instead of standing there half. */
 export function UnlessBroken({ children }: { children: ComponentChildren }) {
-  const [error, mend] = useErrorBoundary(reportError);
+  const [error, mend] = useErrorBoundary((reason) => reportError(reason));
   if (!error) return <>{children}</>;
   return (
     <div class="card empty" role="alert">
