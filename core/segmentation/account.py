@@ -10,6 +10,7 @@ from core.schema.report import MeshReport
 from core.segmentation.segment import Segmented
 
 LARGEST_DIFFERENCE = 0.05  # of the volume of the voxels
+LARGEST_ISLANDS = 0.05  # of the voxels of a tissue: more are hardly specks, rather its other half
 
 
 def describe(made: Mapping[str, Segmented], meshes: Mapping[str, MeshReport]) -> tuple[dict[str, Any], ...]:
@@ -36,7 +37,9 @@ def find_findings(made: Mapping[str, Segmented], meshes: Mapping[str, MeshReport
     for name, each in made.items():
         if each.dropped:
             message = f"{name}: {each.islands} islands with {each.dropped} voxels were left out; {each.labelled} voxels stayed"
-            found.append(_finding("segment.islands_dropped", Severity.INFO, message, each.islands))
+            much = each.dropped > LARGEST_ISLANDS * (each.labelled + each.dropped)
+            severity = Severity.WARNING if much else Severity.INFO
+            found.append(_finding("segment.islands_dropped", severity, message, each.islands))
         if each.sealed:
             message = f"{name} was open across edges of voxels: it was given {each.sealed} voxels of what it encloses"
             found.append(_finding("segment.sheet_sealed", Severity.INFO, message, each.sealed))

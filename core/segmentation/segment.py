@@ -25,6 +25,7 @@ from core.smoothing.smooth import smooth
 MOST_SURFACES = 64
 WIDEST_GAP = 0.25  # of the smallest side of a voxel: both surfaces stay on their own side of it
 SPARE = 1.01  # the gap is held this much wider until the last step: distances are sums in float64
+ROOM = 0.02  # of the smallest side of a voxel, besides the gap, at first: faces that are joined need room to bend
 SMOOTHING_WITHIN = 0.3  # of the smallest side of a voxel
 TIGHTER = (0.25, 0.4)  # where a surface crosses itself after rounding, its vertices stay farther from voxel centres
 NOWHERE = MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000")  # surfaces are handed over, not referred to
@@ -74,7 +75,8 @@ def segment(volume: LabelVolume, asked: SegmentParameters, min_gap_mm: float, ru
     borders = balance(volume, find_borders(volume, numbers, regions))
     stage.advance(1.0, f"{sum(len(border.faces) for border in borders):,} faces")
     stage = run.stage("segment: apart", 0.3, 0.4)
-    borders = _free_of_crossings(volume, give_way(volume, borders, SPARE**3 * min_gap_mm, stage), stage)
+    first_gap_mm = SPARE**3 * min_gap_mm + ROOM * float(volume.voxel_mm().min())
+    borders = _free_of_crossings(volume, give_way(volume, borders, first_gap_mm, stage), stage)
     first = {border.name: border.mesh(volume) for border in borders}
     meshes = _refined(first, volume, asked, min_gap_mm, run.stage("segment: surfaces", 0.4, 1.0))
     return {region.name: _segmented(region, meshes[region.name], volume) for region in regions}
