@@ -11,6 +11,7 @@ from store.job_words import JobWords
 from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, serving
+from tests.api.test_cohorts import zipped
 from tests.core.io.stl_bytes import binary_stl
 from tests.valkey import ValkeyServer
 from tests.web.browser import chromium, visit
@@ -108,3 +109,28 @@ def test_files_are_sent_and_those_that_are_no_mesh_are_left_out(api: Live, brows
         assert seen.page.locator("img[src='x']").count() == 0
     cohort = api.services.cohorts.list(DEFAULT_WORKSPACE).items[0]
     assert [job.subject for job in api.services.cohorts.jobs(DEFAULT_WORKSPACE, cohort.id)] == ["Bert", "Carla"]
+
+
+def test_a_zip_comes_in_pieces_and_not_again_when_its_settings_were_refused(api: Live, browser: Browser) -> None:
+    buffer = zipped({"cleo.stl": binary_stl(), "torn.stl": b"no mesh"})
+    with visit(browser, api.url) as seen:
+        uploads: list[str] = []
+        seen.page.on("request", lambda sent: uploads.append(sent.url) if sent.method == "PATCH" else None)
+        seen.page.goto("/#/cohorts")
+        seen.page.locator("input[type=file]").first.set_input_files(
+            {"name": "study.zip", "mimeType": "application/zip", "buffer": buffer}
+        )
+        seen.page.get_by_label("Unit of the coordinates").select_option("cm")
+        seen.page.get_by_label("Name", exact=True).fill("Zipped")
+        seen.page.get_by_label("Process", exact=True).select_option("graft")
+        seen.page.get_by_role("button", name="Start the cohort").click()
+        expect(seen.page.get_by_text("inputs.invalid").first).to_be_visible()
+        seen.page.get_by_label("Process", exact=True).select_option("validate")
+        seen.page.get_by_role("button", name="Start the cohort").click()
+        expect(seen.page.get_by_role("heading", name="Zipped")).to_be_visible()
+        expect(seen.page.get_by_role("link", name="cleo")).to_be_visible()
+        assert len(uploads) == 1
+    [cohort] = [one for one in api.services.cohorts.list(DEFAULT_WORKSPACE).items if one.name == "Zipped"]
+    assert [one.code for one in cohort.refused] == ["stl.not_stl"]
+    [mesh] = [one for one in api.client.get("/v1/meshes").json()["meshes"] if one["name"] == "cleo"]
+    assert mesh["unit"] == "cm"

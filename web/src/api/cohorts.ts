@@ -1,8 +1,9 @@
 import { listJobs } from "./jobs";
-import { sendFormOnce, sendOnce } from "./once";
+import { sendOnce } from "./once";
 import { type Page, upTo } from "./pages";
-import { ask, askJson, sendJson } from "./server";
+import { ask, askJson, ServerError, sendJson } from "./server";
 import type { Job, JobStatus, ResultReference } from "./types";
+import { sendFile } from "./uploads";
 
 export interface Cohort {
   id: string;
@@ -49,12 +50,23 @@ export function createCohort(settings: CohortSettings, meshes: string[]): Promis
   return sendOnce("/v1/cohorts", { ...settings, subjects });
 }
 
-export function createCohortOfArchive(settings: CohortSettings, archive: File, unit: string): Promise<Cohort> {
-  const form = new FormData();
-  form.set("unit", unit);
-  form.set("cohort", JSON.stringify(settings));
-  form.set("file", archive);
-  return sendFormOnce("/v1/cohort-archives", form);
+const arrived = new WeakMap<File, string>(); // what came whole but did not become a cohort yet: its upload
+
+/** The zip comes in pieces; refused for its settings, it need not come again. */
+export async function createCohortOfArchive(
+  settings: CohortSettings,
+  archive: File,
+  unit: string,
+  onProgress: (share: number) => void,
+): Promise<Cohort> {
+  const upload = arrived.get(archive) ?? (await sendFile(archive, onProgress).done);
+  arrived.set(archive, upload);
+  try {
+    return await sendOnce(`${upload}/cohort`, { ...settings, unit });
+  } catch (error) {
+    if (error instanceof ServerError && error.code === "upload.not_found") arrived.delete(archive);
+    throw error;
+  }
 }
 
 export function retryCohort(id: string): Promise<Cohort> {

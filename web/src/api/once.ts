@@ -25,15 +25,6 @@ export function sendOnce<T>(path: string, content: unknown): Promise<T> {
   );
 }
 
-/** A form with a file, which is told by its name, size and time. */
-export function sendFormOnce<T>(path: string, form: FormData): Promise<T> {
-  const told = [...form].map(([name, part]) => [
-    name,
-    part instanceof File ? [part.name, part.size, part.lastModified] : part,
-  ]);
-  return once(path + JSON.stringify(told), (headers) => askJson<T>(path, { method: "POST", body: form, headers }));
-}
-
 /** 128 random bits. Not by `crypto.randomUUID`, which a browser has only for https and its own machine. */
 function newKey(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");

@@ -34,6 +34,7 @@ export function NewCohort() {
   const [unit, setUnit] = useState<Unit | "">("");
   const { subjects, addFiles, addMesh, remove } = useSubjects(unit);
   const [sending, setSending] = useState(false);
+  const [arrived, setArrived] = useState(0); // share of the archive
   const [error, setError] = useState<unknown>(null);
   const process = useLoaded(`process ${processId}`, (signal) =>
     askJson<Process>(`/v1/processes/${processId}`, { signal }),
@@ -55,12 +56,13 @@ export function NewCohort() {
   const missing = whatIsMissing(subjects, unit);
   const start = async () => {
     setSending(true);
+    setArrived(0);
     setError(null);
     try {
       const settings = { process: processId, inputs: withoutEmpty(newest.current), ...sentWords(words) };
       const archive = usable.find(isArchive)?.file;
       const made = archive
-        ? await createCohortOfArchive(settings, archive, unit)
+        ? await createCohortOfArchive(settings, archive, unit, setArrived)
         : await createCohort(
             settings,
             usable.map((one) => one.mesh!.id),
@@ -149,11 +151,15 @@ export function NewCohort() {
           {missing || `${isArchive(usable[0]!) ? "All subjects of the zip" : `${sayCount(usable.length)} subjects`}.`}
         </span>
         <button type="submit" class="primary" disabled={sending || missing !== "" || !process.value}>
-          {sending ? "Sending…" : "Start the cohort"}
+          {sending ? sayProgress(arrived) : "Start the cohort"}
         </button>
       </div>
     </form>
   );
+}
+
+function sayProgress(arrived: number): string {
+  return arrived === 0 ? "Sending…" : arrived < 1 ? `Sending, ${Math.floor(100 * arrived)} %` : "Reading…";
 }
 
 /** Meshes and volumes the server holds already, to be taken in. */
