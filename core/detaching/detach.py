@@ -145,8 +145,8 @@ def _not_opened(contact: Contact, region: ContactRegion, area_mm2: float, drawn:
         )
         return _refused("detach.not_opened", contact, message, area_mm2)
     message = (
-        f"there is no room in the region '{region.name}' to open the contact: faces of the skin there reach out of the box; "
-        "make the box larger"
+        f"there is no room in the region '{region.name}' to open the contact: faces of the skin there reach out of the box, or "
+        "what is narrow there is no contact; put the box around the contact and the thick middle of both parts"
     )
     return _refused("detach.no_room", contact, message, area_mm2)
 

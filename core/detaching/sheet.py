@@ -112,6 +112,8 @@ def draw_sheet(
             points = fair_sheet(points, faces, ~outside)
     inside = sides.off_skin(points) < 0.0
     faces = faces[(sides.off_skin(points)[faces] < REACH * width_mm).any(axis=1)]
+    if len(faces) == 0:
+        return None
     room = Room.of(mesh, may_change, grid.low_mm, high, width_mm)
     for _ in range(TRIMMINGS):
         fits = room.holds(points, faces)
