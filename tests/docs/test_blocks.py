@@ -40,7 +40,7 @@ def test_blocks_run(page: str, ball_workshop: Workshop, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1500)
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("page", pages_with("slow"))
 def test_blocks_run_on_the_whole_body(page: str, body_workshop: Workshop, folder: Path) -> None:
     done = body_workshop.run_page([block for block in ALL if block.page == page and _is_program(block, "run", "slow")], folder)
@@ -56,7 +56,7 @@ def test_requests_are_accepted(block: Block, ball_workshop: Workshop) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1500)
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("block", [block for block in REQUESTS if not block.is_read_only], ids=place)
 def test_requests_are_carried_out(block: Block, body_workshop: Workshop) -> None:
     with Client(body_workshop.url) as client:

@@ -29,7 +29,7 @@ from tests.docs.blocks import Block
 
 MATLAB = Path(__file__).parent / "matlab"
 ADDRESSES = ("http://127.0.0.1:8000", "http://lab-server:8000")  # what the pages call the server
-PAGE_S = 1200
+PAGE_S = 3000  # a page of whole bodies on a busy machine; two minutes on a quiet one
 TISSUES = {"head": (40.0, 0.0), "skull": (30.0, 0.0), "grey": (25.0, 5.2), "white": (15.0, 5.2)}
 """Name -> radius and shift in mm of a ball; grey crosses the skull."""
 CANALS = {"left": (68.1, 706.7, 55.0), "right": (-68.1, 706.7, 55.0)}
