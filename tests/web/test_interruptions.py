@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 from store.api_keys import ApiKeys
 from store.scope import Scope
 from store.settings import Settings
+from store.workers import WorkerWord
 from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, serving
 from tests.core.io.stl_bytes import binary_stl
@@ -195,6 +196,19 @@ def test_pages_come_back_with_the_server(api: Live, browser: Browser, place: str
         expect(page.get_by_role("alert")).to_have_count(0)
         expect(page.get_by_role("heading", level=1)).to_be_visible()
         expect(page.get_by_text("Loading")).to_have_count(0)
+
+
+def test_pages_say_that_no_worker_is_there_until_one_comes(api: Live, browser: Browser) -> None:
+    job = api.accepted()
+    with visit(browser, api.url) as seen:
+        seen.page.goto(f"/#/jobs/{job.id}")
+        expect(seen.page.get_by_text("no worker has given word lately; jobs are accepted, and wait")).to_be_visible()
+        expect(seen.page.get_by_text("Waits for a worker", exact=True)).to_be_visible()
+        seen.picture("away-worker")
+        assert seen.barriers() == []
+        api.services.workers.beat(WorkerWord("a:1", "a", "0.1.0", 2, 16 * 1024**3, 10**11))
+        expect(seen.page.get_by_text("no worker has given word lately")).to_be_hidden()
+    api.services.workers.leave("a:1")
 
 
 def test_a_form_and_an_upload_outlast_a_server_that_is_away(api: Live, browser: Browser, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -
 
 @pytest.mark.parametrize("place", ["", "new", "jobs", "cohorts", "nowhere", "jobs/{failed}", "compare?a={failed}&b={waiting}"])
 def test_every_page_is_usable_and_fits(api: Live, browser: Browser, place: str) -> None:
-    failed = api.failed(JobFailure("heal.unsound", "input", "the skin crosses itself at 3 places", retryable=False))
+    failed = api.failed(JobFailure("heal.unsound", "input", "the skin crosses itself at 3 places", retryable=False), report=False)
     waiting = api.accepted()
     with visit(browser, api.url) as seen:
         seen.page.goto(f"/#/{place.format(failed=failed.id, waiting=waiting.id)}")

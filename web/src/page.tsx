@@ -21,12 +21,12 @@ const NAVIGATION = [
   ["cohorts", "Cohorts"],
 ] as const;
 
-function Body({ place }: { place: Place }) {
+function Body({ place, form }: { place: Place; form: string }) {
   switch (place.path[0]) {
     case undefined:
       return <MeshesPage chosenId={place.query.get("mesh") ?? undefined} />;
     case "new":
-      return <NewJobPage query={place.query} />;
+      return <NewJobPage query={place.query} key={form} />;
     case "jobs":
       return place.path[1] ? (
         <JobPage id={place.path[1]} />
@@ -55,6 +55,9 @@ export function Page() {
   const key = useKeyDialog();
   const main = useRef<HTMLElement>(null);
   const here = place.path[0] ?? "";
+  // a link with settings begins a form anew; one without leaves what was typed
+  const form = useRef("");
+  if (here === "new" && place.query.size > 0) form.current = place.query.toString();
   useEffect(() => {
     document.title = `${NAVIGATION.find(([path]) => path === here)?.[1] ?? "Integument"} · Integument`;
   }, [here]);
@@ -92,7 +95,7 @@ export function Page() {
       <ServerBanner state={server} />
       <main ref={main} tabIndex={-1}>
         <UnlessBroken key={there}>
-          <Body place={place} />
+          <Body place={place} form={form.current} />
         </UnlessBroken>
       </main>
       <DocumentationLink />
