@@ -43,6 +43,7 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
             "verdict": "not_ready",
             "summary": error.message,
             "findings": (*findings, *_others(looked_at.findings, findings)),
+            **_methods(looked_at),
             "parameters": known.parameters or {**_asked(payload["inputs"]), "sha256": _sources(payload)},
             "software": software_versions(),
         }
@@ -57,9 +58,14 @@ def _looked_at(known: Report, surfaces: Mapping[str, Mesh]) -> Report:
         return known
     found = validate(surfaces)
     measured = {"meshes": found.meshes, "pairs": found.pairs, "nesting": found.nesting}
-    return known.model_copy(
-        update={**measured, "findings": found.findings, "methods": METHODS + VALIDATE_METHODS, "references": REFERENCES}
-    )
+    return known.model_copy(update={**measured, "findings": found.findings})
+
+
+def _methods(report: Report) -> dict[str, Any]:
+    """What may be cited of a failed job: its finished steps, else how its surfaces were looked at; never what it was to make."""
+    if report.steps:
+        return {}
+    return {"methods": METHODS + VALIDATE_METHODS, "references": REFERENCES} if report.meshes else {"methods": "", "references": ()}
 
 
 def _others(found: tuple[Finding, ...], told: tuple[Finding, ...]) -> tuple[Finding, ...]:

@@ -16,14 +16,14 @@ def figures_of_step(step: str, figures: Sequence[Figure]) -> tuple[Figure, ...]:
 
 
 def joined_methods(steps: Sequence[StepReport]) -> tuple[str, tuple[str, ...]]:
-    """(methods, references) of all steps that have any, in order.
+    """(methods, references) of all steps that were done and have any, in order.
 
     Promises: a work cited by several steps stands once, numbered by first appearance; `[n]` in the text is its entry.
     """
     order: dict[str, int] = {}
     texts = []
     for step in steps:
-        if not step.methods or step.outcome in ("not_needed", "not_reached"):
+        if not step.methods or step.outcome != "done":
             continue
         works = [NUMBER.sub("", reference) for reference in step.references]
         numbers = [order.setdefault(work, len(order) + 1) for work in works]

@@ -62,3 +62,24 @@ def test_a_request_that_cannot_be_met_shows_the_body_it_was_made_of(tmp_path: Pa
     assert report.findings[0].code == error.code
     assert report.meshes["skin"].closed
     assert json.loads(html.split('id="scene-about">')[1].split("</script>")[0])["surfaces"][0]["name"] == "skin"
+
+
+def test_methods_claim_nothing_that_was_not_done(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    hrefs = [f"/v1/meshes/00000000-0000-0000-0000-00000000000{number}" for number in (1, 2)]
+    for number, href in enumerate(hrefs):
+        canonical.save(sphere(30.0, 2, at=(30.0 * number, 0.0, 0.0)), tmp_path / f"{href[-1]}.mesh")
+    payload = {
+        "process": "tetrahedralize",
+        "inputs": {"meshes": {"a": {"href": hrefs[0]}, "b": {"href": hrefs[1]}}},
+        "meshes": {href: {"path": str(tmp_path / f"{href[-1]}.mesh"), "name": href[-1], "sha256": "ab" * 32} for href in hrefs},
+        "out_dir": str(out),
+    }
+    with pytest.raises(IntegumentError) as caught:
+        run(payload, Silent())
+    assert caught.value.code == "tetrahedra.surfaces_unfit"
+    report = Report.model_validate_json((out / "report.json").read_bytes())
+    assert report.methods.startswith("Nothing was made.")
+    assert "tetrahedra" not in report.methods
+    assert report.references

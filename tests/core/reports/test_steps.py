@@ -27,7 +27,8 @@ def test_works_cited_twice_stand_once_and_numbers_follow():
 
 def test_what_was_not_done_is_not_cited():
     skipped = step("heal", outcome="not_needed", methods="Healed [1].", references=(f"[1] {LIBIGL}",))
-    assert joined_methods([skipped, step("load")]) == ("", ())
+    failed = step("layers", outcome="failed", methods="Layers were made [1].", references=(f"[1] {OTHER}",))
+    assert joined_methods([skipped, step("load"), failed]) == ("", ())
 
 
 def test_every_step_has_its_section_and_figures_are_numbered_down_the_page():
