@@ -7,16 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from core.decimation.decimate import decimate
-from core.schema.decimate import DecimateInputs
 from subjects.body import body
 from subjects.generated.pieces import moved
 from subjects.generated.revolved import ball
-from subjects.head_tissues import NOWHERE
 from tests.docs.workshop import Workshop
 from tests.embedded import embedded
-
-BODY_FACES = 12_000  # with 9,000 the ears are lost
 
 
 @pytest.fixture(scope="session")
@@ -33,10 +28,8 @@ def ball_workshop(docs_server: str, tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture(scope="session")
 def body_workshop(docs_server: str, tmp_path_factory: pytest.TempPathFactory) -> Workshop:
-    """With the real body, for blocks about ears and whole people; of so few faces that all pages end within the hour."""
-    inputs = DecimateInputs(mesh=NOWHERE, target_faces=BODY_FACES)
-    thinned = decimate({"skin": body(0)}, inputs)["skin"].mesh.rounded_to_float32()
-    return Workshop.of(docs_server, thinned, tmp_path_factory.mktemp("body"), is_body=True)
+    """With the real body, for blocks about ears and whole people."""
+    return Workshop.of(docs_server, body(0), tmp_path_factory.mktemp("body"), is_body=True)
 
 
 @pytest.fixture
