@@ -65,7 +65,9 @@ def _methods(report: Report) -> dict[str, Any]:
     """What may be cited of a failed job: its finished steps, else how its surfaces were looked at; never what it was to make."""
     if report.steps:
         return {}
-    return {"methods": METHODS + VALIDATE_METHODS, "references": REFERENCES} if report.meshes else {"methods": "", "references": ()}
+    if not report.meshes:
+        return {"methods": "", "references": ()}
+    return {"methods": METHODS + VALIDATE_METHODS, "references": REFERENCES}
 
 
 def _others(found: tuple[Finding, ...], told: tuple[Finding, ...]) -> tuple[Finding, ...]:
