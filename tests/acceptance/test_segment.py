@@ -57,8 +57,9 @@ def test_labels_of_freesurfer_become_surfaces_where_its_header_says(service: Ser
     job = service.execute("segment", {"volume": {"href": href}})
     assert service.succeed(job)["verdict"] == "simulation_ready"
     skin = unpack_shells(service.result(job, "package"))["label_1"]
-    # the ball's middle is half a voxel before that of the volume, along i, j and k
-    assert skin.vertices.mean(axis=0) == pytest.approx(np.array([30.5, -20.5, 10.5]), abs=0.25)
+    # how far the ball's middle lies from that of the volume along i, j and k, which run to the left, down and forward
+    i, j, k = np.linalg.inv(volume.affine)[:3, 3] - np.array(volume.labels.shape) / 2
+    assert skin.vertices.mean(axis=0) == pytest.approx(np.array([30.0 - i, -20.0 + k, 10.0 - j]), abs=0.15)
 
 
 def test_a_volume_is_no_mesh_and_a_mesh_no_volume(service: Service, labels: str, skin: str) -> None:
@@ -92,12 +93,17 @@ def test_outputs_are_known_where_names_are(service: Service, labels: str) -> Non
         (packed(nifti(two_boxes(), AFFINE))[:-5], "volume.truncated"),
         (b"\x1f\x8b" + bytes(100), "volume.truncated"),
         (packed(mgh(two_boxes(), frames=4)), "mgh.frames"),
-        (packed(mgh(two_boxes(), shape=(9999, 9999, 9999))), "volume.too_large"),
     ],
 )
 def test_what_holds_no_labels_is_refused_by_name(service: Service, content: bytes, code: str) -> None:
     reply = service.http.post("/v1/meshes", files={"file": ("labels.nii.gz", content, "application/octet-stream")})
     assert (reply.status_code, reply.json()["code"]) == (422, code), reply.text
+
+
+def test_absurd_sizes_are_refused_as_too_large(service: Service) -> None:
+    content = packed(mgh(two_boxes(), shape=(9999, 9999, 9999)))
+    reply = service.http.post("/v1/meshes", files={"file": ("aseg.mgz", content, "application/octet-stream")})
+    assert (reply.status_code, reply.json()["code"]) == (413, "volume.too_large"), reply.text
 
 
 def test_a_label_that_is_not_there_fails_the_job_with_a_report(service: Service, labels: str) -> None:

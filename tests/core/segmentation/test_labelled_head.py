@@ -34,3 +34,19 @@ def test_tissues_of_a_head_come_back_within_a_voxel() -> None:
     # a cortex thinner than a voxel is not known so well
     for name, share in {"head": 0.01, "csf": 0.1, "white_matter": 0.1}.items():
         assert proof.meshes[name].volume_mm3 == pytest.approx(found[name].voxels_mm3, rel=share)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_tissues_of_a_head_become_shells_in_each_other() -> None:
+    """Both hemispheres are one tissue in two pieces: `keep_largest` would drop one of them."""
+    inside = {"white_matter": "grey_matter", "grey_matter": "csf", "csf": "head"}
+    asked = SegmentParameters(names={str(label): name for name, label in LABELS.items()}, inside=inside, islands="keep_above")
+    found = segment(labelled(head_surfaces(), (4.0,) * 3), asked, GAP_MM)
+    proof = validate({name: each.mesh for name, each in found.items()}, min_gap_mm=GAP_MM)
+    assert proof.verdict == "simulation_ready", proof.findings
+    assert proof.nesting == {"head": None, **inside}
+    assert sum(pair.intersecting_pairs for pair in proof.pairs) == 0
+    for name, mesh in proof.meshes.items():
+        assert mesh.volume_mm3 == pytest.approx(found[name].voxels_mm3, rel=0.02)
+    assert found["white_matter"].dropped < 0.01 * found["white_matter"].labelled
