@@ -37,7 +37,7 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
         Finding(code=error.code, severity=Severity.ERROR, message=error.message, count=1),
     )
     surfaces = _given(process, payload, error)
-    looked_at = _looked_at(known, surfaces)
+    looked_at = known if error.fault == "limit" else _looked_at(known, surfaces)
     report = looked_at.model_copy(
         update={
             "verdict": "not_ready",
@@ -53,8 +53,8 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
 
 
 def _looked_at(known: Report, surfaces: Mapping[str, Mesh]) -> Report:
-    """What is known, and where no mesh was checked yet, what `validate` finds on those that were given."""
-    if known.meshes or known.steps or not 0 < sum(len(mesh.faces) for mesh in surfaces.values()) <= MOST_FACES_CHECKED:
+    """What is known, and where not all surfaces were checked yet, what `validate` finds on them."""
+    if set(surfaces) <= set(known.meshes) or not 0 < sum(len(mesh.faces) for mesh in surfaces.values()) <= MOST_FACES_CHECKED:
         return known
     found = validate(surfaces)
     measured = {"meshes": found.meshes, "pairs": found.pairs, "nesting": found.nesting}
