@@ -30,14 +30,15 @@ from core.validation.requirements import require_closed_skin
 from core.validation.validate import Validation
 
 METHODS = (
-    "Parts that touch were set apart as in [3], 5.3, without a hand. In each region the body was filled with cubes; parts were "
-    "told apart by the merge tree of the distance to the skin, a contact being where it falls to at most {narrowing:g} of the "
+    "Parts that touch were set apart as in [3], 5.3, without a hand. Where the skin ran through itself it was united first. In "
+    "each region the body was filled with cubes; parts were told apart by the merge tree of the distance to the skin, a contact "
+    "being where it falls to at most {narrowing:g} of the "
     "depth of the thinner part. The surface of least area between the parts is a minimal cut of the cubes' graph [4]. It was "
     "drawn as a sheet of triangles, halfway between the parts outside of the body and bending least inside [5]. A slab of air "
     "along the sheet was subtracted exactly, the seams were remeshed, and the new surfaces bent [5] so that they go on into the "
     "skin around them, at least {gap:g} mm apart. Coordinates were rounded to single precision, written to binary STL, read "
-    "back, and proven there with exact predicates [1]: closed, manifold, outward, free of self-intersection. No face with a "
-    "corner outside of the regions changed, bit for bit."
+    "back, and proven there with exact predicates [1]: closed, manifold, outward, free of self-intersection. No "
+    "other face with a corner outside of the regions changed, bit for bit."
 )
 REFERENCES = (
     *VALIDATE_REFERENCES,
