@@ -56,6 +56,8 @@ class Lab:
             headers["Content-Type"] = "application/offset+octet-stream"
         elif method == "PATCH" and not more:
             more = {"json": {}}
+        elif path.endswith("/cohort") and not more:
+            more = {"json": {"process": "validate"}}
         with self.live.client.stream(method, path, headers=headers, **more) as response:  # type: ignore[arg-type]
             if "event-stream" not in response.headers.get("content-type", ""):
                 response.read()
