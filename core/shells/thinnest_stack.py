@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from core.errors import InputError
 from core.geometry.clearance import Clearance, MovingSurface
 from core.geometry.face_tree import FaceTree
+from core.geometry.quality import quality
 from core.mesh import Mesh
 from core.run import RunContext
 from core.schema.finding import MAX_PLACES, Finding, Place, Severity
@@ -54,11 +55,13 @@ def _next_sheet(skin: Mesh, tree: FaceTree, outer: Sheet, name: str, gap_mm: flo
     placed = _pushed(sheet, push, shift)
     surface = MovingSurface(placed.vertices, placed.net.faces)
     asked = np.arange(len(placed.net.faces))
-    before, crowded = placed, asked
+    least, where = placed, asked  # what is crowded when that is least; from there it spreads
     for attempt in range(ATTEMPTS):
         crowded = surface.find_crowded(placed.vertices, asked, outside)
         if len(crowded) == 0:
             return mend(placed, surface, outer, Surroundings(tree, outside))
+        if len(crowded) < len(where):
+            least, where = placed, crowded
         folded = surface.find_crowded(placed.vertices, crowded, alone)
         near = sheet.net.corners_of(np.setdiff1d(crowded, folded))
         push[sheet.origin[near]] *= HARDER
@@ -71,7 +74,7 @@ def _next_sheet(skin: Mesh, tree: FaceTree, outer: Sheet, name: str, gap_mm: flo
         moved = (placed.vertices[placed.net.faces] != before.vertices[before.net.faces[former]]).any(axis=(1, 2))
         asked = np.flatnonzero(moved | np.isin(former, crowded))
         surface = surface.edited(placed.vertices, placed.net.faces, former)
-    raise _no_room(skin, before, crowded, name, gap_mm)
+    raise _no_room(skin, least, where, name, gap_mm)
 
 
 def _carried_shift(sheet: Sheet, former_sheet: Sheet, former: NDArray[np.int64], shift: Floats) -> Floats:
@@ -94,9 +97,13 @@ def _no_room(skin: Mesh, sheet: Sheet, crowded: NDArray[np.int64], name: str, ga
         for ids, (x, y, z) in zip(corners[:MAX_PLACES], skin.vertices[corners[:MAX_PLACES]].mean(axis=1), strict=True)
     )
     told = f"there is no room for layer '{name}' at a gap of {gap_mm:.3g} mm"
+    lowest = float(quality(skin.vertices, skin.faces).min())
+    slivers = f"better triangles may make room: `smooth` the skin, whose lowest quality is {lowest:.2g}; or " * (
+        lowest < SLIVER_QUALITY
+    )
     return InputError(
         "shells.no_room",
-        f"at {len(crowded)} faces {told}; ask for a smaller min_gap_mm or fewer layers",
+        f"at {len(crowded)} faces {told}; {slivers}ask for a smaller min_gap_mm or fewer layers",
         findings=(Finding(code="shells.no_room", severity=Severity.ERROR, message=told, count=len(crowded), places=places),),
         faces=len(crowded),
         layer=name,

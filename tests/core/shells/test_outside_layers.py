@@ -89,6 +89,7 @@ def test_slits_without_room_for_the_gap_are_refused_with_places():
         create_shells(near_touching_fingers(7, 0.02, 1.5), wanted(HAIR))
     assert refused.value.code == "shells.no_room"
     assert refused.value.findings[0].places
+    assert "`smooth` the skin, whose lowest quality is 0.00045" in str(refused.value)
 
 
 def test_region_has_its_own_distance_outside_too():
