@@ -26,8 +26,8 @@ Made by `python -m tests.api.isolation_matrix` on a real server with two workspa
 `tests/api/test_isolation.py`: change a route, make it again, and read what changed. Numbers are HTTP statuses.
 
 - *no key*, *read*, *submit*, *admin*: without a key, and with a key of that one scope, on what belongs to its own
-  workspace. 401: no key was sent; 403: the scope is missing. Requests have no body (`PATCH` of JSON
-  an empty object, `.../cohort` the name of a process), so 409, 412, 415 and 422 mean that the caller was let in and the request was not good.
+  workspace. 401: no key was sent; 403: the scope is missing. Requests have no body (`PATCH` of JSON an empty object,
+  `.../cohort` the name of a process), so 409, 412, 415 and 422 mean that the caller was let in and the request was not good.
 - *foreign*: a key with all scopes of *another* workspace names what is there. *absent*: the same key names what is not.
 - *alike*: both answers are equal byte for byte but for the id asked for, and made the same statements to the database in
   the same order; so neither words nor work tell whether something is there. Time itself is not measured.
