@@ -26,6 +26,7 @@ MEASURED = [  # process, inputs, faces, peak MB, processor seconds; on the body
     ("smooth", {}, 26_756, 379, 2.8),
     ("smooth", {}, 107_024, 399, 6.4),
     ("tetrahedralize", {}, 26_756 * 3, 700, 11.2),
+    ("tetrahedralize", {}, 107_024 * 3, 1467, 52.7),
     ("tetrahedralize", {"mesher": "gmsh"}, 26_756 * 3, 719, 16.7),
     ("shells", TWO, 428_096, 1079, 85.3),
     ("shells", SIX, 428_096, 2713, 254.1),
