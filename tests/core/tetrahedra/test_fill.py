@@ -102,6 +102,7 @@ def test_gmsh_fills_a_flat_side_cut_anyhow_that_tetgen_would_put_a_vertex_on():
     with pytest.raises(InputError) as error:
         fill(surfaces, nesting, gap_mm=0.1)
     assert error.value.code == "tetrahedra.refused"
+    assert "6 ways to ask it; `mesher` gmsh may fill them" in str(error.value)
     assert np.unique(fill(surfaces, nesting, gap_mm=0.1, mesher="gmsh").region).tolist() == [0, 1]
 
 
