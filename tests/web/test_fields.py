@@ -43,6 +43,7 @@ def magnitudes_at(place: list[float], delivered: Path, folder: Path) -> tuple[fl
     return float(file["magE"][nearest].min()), float(file["magE"][nearest].max())
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_a_field_is_seen_and_read(tmp_path: Path) -> None:
     write_ccd(figure_eight(), tmp_path / "coil.ccd")

@@ -69,6 +69,7 @@ class Hands:
         raise AssertionError(f"no option {value!r}")
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_the_whole_way_without_a_mouse(tmp_path: Path) -> None:
     path = write(tmp_path / "ball.stl", binary_stl(sphere(80.0, 2)))

@@ -6,6 +6,7 @@ import io
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from PIL import Image
@@ -48,6 +49,7 @@ def test_the_count_of_stray_pixels_counts_them() -> None:
     assert stray_pixels(picture) == 1
 
 
+@pytest.mark.slow
 def test_sections_have_no_stray_pixels(tmp_path: Path, shared_valkey: ValkeyServer) -> None:
     skin = fsaverage("head")
     layers = tuple(Layer(name=name, depth_mm=depth) for name, depth in DEPTHS_MM.items())

@@ -51,6 +51,7 @@ def test_every_page_is_usable_and_fits(api: Live, browser: Browser, place: str) 
         seen.picture(f"state-{re.sub('[^a-z].*', '', place) or 'meshes'}-390-dark")
 
 
+@pytest.mark.slow
 def test_every_form_is_usable_and_fits(api: Live, browser: Browser) -> None:
     processes = [one["id"] for one in api.client.get("/v1/processes").json()["processes"]]
     assert len(processes) > 10
