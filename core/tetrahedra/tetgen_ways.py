@@ -46,7 +46,9 @@ def fill_facets(facets: Facets, switches: str, finish: Callable[[Filling], T]) -
         return finish(_fill(facets, switches, WAYS[-1]))
     except InputError as error:
         words = f"{error.message} That was the last of {len(WAYS)} ways to ask it; `mesher` gmsh may fill them"
-        raise InputError(error.code, words, **error.facts) from error
+        refused = InputError(error.code, words)
+        refused.facts = error.facts
+        raise refused from error
 
 
 def _fill(facets: Facets, switches: str, way: Way) -> Filling:
