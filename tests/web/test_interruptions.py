@@ -120,6 +120,7 @@ def test_an_upload_goes_on_with_another_key(locked: Live, browser: Browser, tmp_
         page = seen.page
         page.goto("/")
         enter_key(page, text)
+        expect(page.get_by_role("button", name="Choose files…")).to_be_visible()
         revoke(locked, key_id)
         page.get_by_label("Files to upload").set_input_files(write(tmp_path / "skin.stl", binary_stl()))
         item = page.get_by_role("article", name="Upload of skin.stl")
