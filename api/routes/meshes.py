@@ -47,7 +47,7 @@ _UPLOAD_BODY: dict[str, Any] = {
                         "file": {
                             "type": "string",
                             "format": "binary",
-                            "description": "STL, MAT, PLY, OBJ; labels (.nii, .mgz); a field (.msh, .csv, .txt); a coil (.ccd, .tcd)",
+                            "description": "STL, MAT, PLY, OBJ; labels (.nii, .mgz); a field (.msh, .csv); a coil (.ccd, .tcd)",
                         },
                         "unit": {
                             "type": "string",

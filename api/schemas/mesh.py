@@ -78,7 +78,7 @@ class MeshInfo(Document):
     file_name: str = Field(description="As sent")
     unit: Unit = Field(description="Of the file, as the uploader said")
     format: str = Field(
-        description="By content: stl, mat, ply, obj; nifti or mgh of a label volume; msh or table of a field; ccd or tcd of a coil"
+        description="By content: stl, mat, ply, obj; nifti or mgh of labels; msh or table of a field; ccd or tcd of a coil"
     )
     size_bytes: int = Field(description="Of the file as sent")
     sha256: str = Field(description="Of the file as sent")
