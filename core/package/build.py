@@ -25,6 +25,7 @@ from core.package.requirements import require_packable
 from core.package.tissue import Tissue
 from core.reports.figures.figure import Figure
 from core.reports.html import render_html
+from core.reports.scene.mailable import mailable_faces
 from core.reports.scene.scene import NO_DEPTHS, make_scene
 from core.schema.report import Report
 
@@ -54,7 +55,7 @@ def build_package(
             _write_surfaces(folder, tissue)
         checksums = {tissue.name: _sha256(folder / "stl" / f"{tissue.name}.stl") for tissue in tissues}
         packed = _with_checksums(report, checksums)
-        scene = make_scene({tissue.name: tissue.mesh for tissue in tissues}, depths_mm)
+        scene = make_scene({tissue.name: tissue.mesh for tissue in tissues}, depths_mm, mailable_faces(figures))
         _write_text(folder / BEM_FMM / "tissue_index.txt", matlab_index(tissues))
         _write_text(folder / BEM_FMM / "tissue_index.yaml", python_index(tissues))
         _write_solver_files(folder, tissues, report)

@@ -29,6 +29,7 @@ from core.processes.tetrahedralize import run_tetrahedralize
 from core.processes.validate import run_validate
 from core.processes.warm_up import warm_up_steps
 from core.reports.html import render_html
+from core.reports.scene.mailable import mailable_faces
 from core.reports.scene.scene import make_scene
 from core.run import RunContext, RunEvent
 from core.schema.cohort import COHORT_SUMMARY
@@ -111,7 +112,8 @@ def run(payload: dict[str, Any], channel: EventSink) -> dict[str, Any]:
 def _write_report(outcome: Outcome, out_dir: Path) -> tuple[OutputFile, ...]:
     report = with_checksums(outcome.report, outcome.files, out_dir)
     (out_dir / "report.json").write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
-    page = render_html(report, outcome.figures, make_scene(outcome.surfaces, outcome.depths_mm, painted=outcome.painted))
+    scene = make_scene(outcome.surfaces, outcome.depths_mm, mailable_faces(outcome.figures), outcome.painted)
+    page = render_html(report, outcome.figures, scene)
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return (
         OutputFile("report", Path("report.json"), "application/json", "report.json"),

@@ -10,15 +10,19 @@ from core.mesh import Mesh
 from core.reports.figures import Figure, draw_shell_figures
 from core.reports.figures.field_map import draw_field_map
 from core.reports.html import render_html
+from core.reports.scene.mailable import (
+    BYTES_PER_FACE,
+    LEAST_FACES,
+    MOST_BYTES,
+    PAGE_BYTES,
+    mailable_faces,
+)
 from core.reports.scene.scene import MOST_FACES, Painted, Scene, make_scene
 from core.reports.scene.viewer import report_viewer
 from core.schema.report import Report
 from subjects.body import body
 
-MOST_BYTES = 8_000_000
-BASE64 = 4 / 3
-BYTES_PER_FACE = 3.3  # of coarse and of thinned surfaces with depths; fine ones 2.3, and 0.5 for depths
-FIGURES_BYTES = 2_100_000  # PNG; six layers of a body take 1.9 MB
+TABLES_BYTES = 100_000
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ def size(figures: tuple[Figure, ...], scene: Scene | None) -> int:
 
 def test_viewer_surfaces_and_figures_together_stay_below() -> None:
     viewer = len(report_viewer().script.encode()) + len(report_viewer().licences.encode())
-    assert viewer + BASE64 * (BYTES_PER_FACE * MOST_FACES + FIGURES_BYTES) < MOST_BYTES
+    assert viewer + TABLES_BYTES < PAGE_BYTES
     drawn = layered(body(0), (1.0, 3.0))
     meshes = {each.name: each.mesh for each in drawn}
     faces = sum(len(mesh.faces) for mesh in meshes.values())
@@ -56,6 +60,24 @@ def test_viewer_surfaces_and_figures_together_stay_below() -> None:
     assert thinned is not None
     assert len(whole.data) < BYTES_PER_FACE * faces
     assert len(thinned.data) < BYTES_PER_FACE * (faces // 3)
+
+
+def test_the_more_figures_the_fewer_faces() -> None:
+    def drawn(bytes_each: int) -> list[Figure]:
+        return [Figure(f"view_{number}", "", "", bytes(bytes_each)) for number in range(22)]
+
+    faces = [mailable_faces(drawn(size)) for size in (0, 100_000, 200_000, 400_000)]
+    assert faces == [MOST_FACES, 946_969, 280_303, LEAST_FACES]
+
+
+def test_a_report_with_many_figures_is_thinned_until_it_can_be_mailed() -> None:
+    noise = np.random.default_rng(3)
+    figures = tuple(Figure(f"view_{number}", "", "", noise.bytes(225_000)) for number in range(22))
+    drawn = layered(body(1), (1.0, 3.0))
+    scene = make_scene({each.name: each.mesh for each in drawn}, measured(drawn), mailable_faces(figures))
+    assert scene is not None
+    assert scene.thinned == ("skin", "layer_1.0", "layer_3.0")
+    assert 0.8 * MOST_BYTES < size(figures, scene) < MOST_BYTES
 
 
 @pytest.mark.slow
