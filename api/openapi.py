@@ -16,8 +16,8 @@ from api.needed_scope import needed_scope
 from api.openapi_links import add_links
 from api.problems import MEDIA_TYPE
 from api.responses import problems
+from api.schemas.job_report import JobReport
 from core.schema.processes import PROCESSES
-from core.schema.report import Report
 
 OPENAPI_VERSION = "3.0.3"
 TAGS = [
@@ -80,7 +80,7 @@ def build_openapi(app: FastAPI) -> dict[str, Any]:
 
 def _add_inputs(schemas: dict[str, Any]) -> None:
     """Describe the inputs of each process where the body of an execution has only an object, and the report."""
-    models: list[type[BaseModel]] = [*(process.inputs for process in PROCESSES.values()), Report]
+    models: list[type[BaseModel]] = [*(process.inputs for process in PROCESSES.values()), JobReport]
     _, told = models_json_schema([(model, "validation") for model in models], ref_template=_REF)
     schemas.update({name: schema for name, schema in told["$defs"].items() if name not in schemas})
     inputs = schemas["ExecuteRequest"]["properties"]["inputs"]

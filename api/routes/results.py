@@ -23,6 +23,7 @@ from api.outcome import no_such_output, require_results, tell_failure
 from api.parameters import JobId, MostFaces
 from api.responses import files, problems
 from api.schemas.job import Results
+from api.schemas.job_report import ReportedJob
 from api.scratch import FolderDep
 from api.services import Services, ServicesDep
 from api.stored_download import stored_download
@@ -102,7 +103,7 @@ def _find_output(services: Services, workspace: WorkspaceId, job_id: str, output
     responses={
         200: {
             "description": "The report; JSON adds `job` and `timings_s`, which are not part of the result",
-            "content": {"application/json": {"schema": {"$ref": "#/components/schemas/Report"}}, "text/html": {}},
+            "content": {"application/json": {"schema": {"$ref": "#/components/schemas/JobReport"}}, "text/html": {}},
         },
         **problems(404),
     },
@@ -119,23 +120,23 @@ def get_report(job_id: JobId, request: Request, services: ServicesDep, workspace
         return send_download(request, download, extra_headers={"Content-Security-Policy": REPORT_POLICY, "Vary": "Accept"})
     with services.blobs.open(found.sha256) as file:
         report: dict[str, Any] = json.load(file)
-    return JSONResponse({**report, "job": _about(job), "timings_s": dict(job.timings_s)}, headers={"Vary": "Accept"})
+    about = _about(job).model_dump(mode="json")
+    return JSONResponse({**report, "job": about, "timings_s": dict(job.timings_s)}, headers={"Vary": "Accept"})
 
 
-def _about(job: Job) -> dict[str, Any]:
-    """What belongs to this run and not to its result."""
-    failure = describe_failure(job)
-    moments = {"created": job.created_at, "started": job.started_at, "finished": job.finished_at}
-    return {
-        "id": job.id,
-        "href": job_path(job.id),
-        "process": job.process,
-        "status": job.status.value,
-        "attempt": job.attempt,
-        **{name: moment.isoformat() for name, moment in moments.items() if moment is not None},
-        "peak_memory_bytes": job.peak_memory_bytes,
-        "failure": failure.model_dump(mode="json") if failure is not None else None,
-    }
+def _about(job: Job) -> ReportedJob:
+    return ReportedJob(
+        id=job.id,
+        href=job_path(job.id),
+        process=job.process,
+        status=job.status.value,
+        attempt=job.attempt,
+        created=job.created_at,
+        started=job.started_at,
+        finished=job.finished_at,
+        peak_memory_bytes=job.peak_memory_bytes,
+        failure=describe_failure(job),
+    )
 
 
 def _download(services: Services, output: JobOutput, *, inline: bool = False) -> Download:

@@ -12,6 +12,7 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 
+from api.schemas.job_report import JobReport
 from core.mesh import Mesh
 
 LIMIT_S = 240.0
@@ -88,9 +89,10 @@ class Service:
         return file.content
 
     def report(self, job: str) -> dict[str, Any]:
-        """As JSON."""
+        """As JSON, of the form the API promises."""
         reply = self.http.get(f"/v1/jobs/{job}/report", headers={"Accept": "application/json"})
         assert reply.status_code == 200, reply.text
+        JobReport.model_validate_json(reply.text)
         found: dict[str, Any] = reply.json()
         return found
 

@@ -13,6 +13,7 @@ import pytest
 from api.downloads import content_disposition, requested_span
 from api.mesh_export import WRITTEN_AS
 from api.routes.meshes import FILE_MEDIA_TYPES
+from api.schemas.job_report import JobReport
 from core.errors import InputError, InternalError, LimitError, StateError
 from core.io.registry import FORMATS, WRITERS, WRITTEN_ONLY, write_mesh
 from core.schema.finding import Finding, Place, Severity
@@ -223,6 +224,7 @@ def test_an_unknown_output_is_named_with_those_there_are(api: Live) -> None:
 def test_the_report_adds_what_belongs_to_the_run(api: Live) -> None:
     job = api.successful()
     response = api.client.get(f"/v1/jobs/{job.id}/report")
+    assert JobReport.model_validate_json(response.text).job.id == job.id
     told = response.json()
     about = told.pop("job")
     assert told.pop("timings_s") == {"validate": 0.25}

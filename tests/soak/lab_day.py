@@ -135,7 +135,7 @@ class LabDay:
         with shop.db.session() as session:
             shop.keys.keep(DEFAULT_WORKSPACE, f"key {number}", "f" * 64, Reply(201, {}, {"job": job.id}), session)
         shop.audit.write([AuditEntry(self._clock.now, "key", None, DEFAULT_WORKSPACE, "execute", job.id, "done")])
-        assert shop.announce(job.id, job.attempt)
+        assert shop.announce_all([(job.id, job.attempt)])
         if number % 20 == 7:
             shop.jobs.dismiss(DEFAULT_WORKSPACE, job.id)
             return

@@ -76,7 +76,7 @@ def test_what_a_failed_job_left_is_shown_and_can_be_fetched(tmp_path: Path, shar
         job = live.failed(failure, report=False, left=left)
         page = seen.page
         page.goto(f"/#/jobs/{job.id}")
-        expect(page.get_by_text("1 pair of tissues crosses")).to_be_visible()
+        expect(page.get_by_text("1 pair of tissues crosses").first).to_be_visible()
         files = page.get_by_role("region", name="Downloads")
         with page.expect_download() as fetched:
             files.get_by_role("button", name="fat", exact=True).click()
