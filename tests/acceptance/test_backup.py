@@ -68,7 +68,6 @@ def same(after: dict[str, bytes], before: dict[str, bytes]) -> Iterator[str]:
     return (name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_an_embedded_server_comes_back_after_its_folder_was_destroyed(tmp_path: Path) -> None:
     data, vault = tmp_path / "data", str(tmp_path / "vault")
@@ -93,6 +92,7 @@ def test_an_embedded_server_comes_back_after_its_folder_was_destroyed(tmp_path: 
     assert [line["whole"] for line in admin("--data-dir", str(data), "backups", vault, "--verify")] == [True]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_a_lab_comes_back_after_database_and_bucket_were_destroyed(
     tmp_path: Path, postgres: PostgresServer, valkey: ValkeyServer, seaweed: SeaweedServer
