@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, bindparam, delete, exists, or_, select
+from sqlalchemy import BindParameter, ColumnElement, bindparam, delete, exists, or_, select
 from sqlalchemy.orm import Session
 
 from store.job import JobStatus
 from store.records import JobCheckpointRow, JobInputRow, JobRow
 
+Value = str | BindParameter[str]
 CORRECTED = 8  # failed requests that one may go on from
 
 
@@ -27,8 +28,12 @@ def of_same_request(row: JobRow) -> ColumnElement[bool]:
     """The checkpoints of a job, and of jobs of its workspace that asked for the very same."""
     if row.fingerprint is None:  # accepted by an older server
         return JobCheckpointRow.job_id == row.id
-    alike = select(JobRow.id).where(JobRow.workspace == row.workspace, JobRow.fingerprint == row.fingerprint)
-    return or_(JobCheckpointRow.job_id == row.id, JobCheckpointRow.job_id.in_(alike))
+    return _of_alike(row.id, row.workspace, row.fingerprint)
+
+
+def _of_alike(job_id: Value, workspace: Value, fingerprint: Value) -> ColumnElement[bool]:
+    alike = select(JobRow.id).where(JobRow.workspace == workspace, JobRow.fingerprint == fingerprint)
+    return or_(JobCheckpointRow.job_id == job_id, JobCheckpointRow.job_id.in_(alike))
 
 
 def usable_by(row: JobRow) -> ColumnElement[bool]:
@@ -54,16 +59,16 @@ def usable_by(row: JobRow) -> ColumnElement[bool]:
 
 def forget_checkpoints(session: Session, row: JobRow, *, of_all: bool) -> None:
     """Nobody needs those of this job any more, or `of_all` who asked for the same; the bytes go with the next sweep."""
-    alike = of_all and row.fingerprint is not None  # None: accepted by an older server
-    of = {"of": row.id, "workspace": row.workspace, "fingerprint": row.fingerprint}
-    session.execute(_FORGET_ALIKE if alike else _FORGET, of if alike else {"of": row.id})
+    if of_all and row.fingerprint is not None:
+        session.execute(_FORGET_ALIKE, {"of": row.id, "of_workspace": row.workspace, "asked": row.fingerprint})
+    else:
+        session.execute(_FORGET, {"of": row.id})
 
 
-_ALIKE = select(JobRow.id).where(JobRow.workspace == bindparam("workspace"), JobRow.fingerprint == bindparam("fingerprint"))
-_FORGET, _FORGET_ALIKE = (
-    delete(JobCheckpointRow).where(chosen).execution_options(synchronize_session=False)
-    for chosen in (
-        JobCheckpointRow.job_id == bindparam("of"),
-        or_(JobCheckpointRow.job_id == bindparam("of"), JobCheckpointRow.job_id.in_(_ALIKE)),
-    )
-)  # made once: see `store.admission`
+# made once: see `store.admission`
+_FORGET = delete(JobCheckpointRow).where(JobCheckpointRow.job_id == bindparam("of")).execution_options(synchronize_session=False)
+_FORGET_ALIKE = (
+    delete(JobCheckpointRow)
+    .where(_of_alike(bindparam("of"), bindparam("of_workspace"), bindparam("asked")))
+    .execution_options(synchronize_session=False)
+)

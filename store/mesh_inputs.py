@@ -118,12 +118,12 @@ class MeshInputs:
 
     def _result(self, workspace: WorkspaceId, href: str, job_id: str, name: str) -> MeshInput:
         job = self._jobs.get(workspace, job_id)
-        left = job.outputs.get(name) if job.status is JobStatus.FAILED else None
-        if job.status is not JobStatus.SUCCESSFUL and left is None:
+        output = job.outputs.get(name)
+        has_left_it = job.status is JobStatus.FAILED and output is not None
+        if job.status is not JobStatus.SUCCESSFUL and not has_left_it:
             raise InputError(
                 "reference.not_ready", f"job {job_id} is {job.status}, it has no '{name}' to build on", href=href, job=job_id
             )
-        output = left or job.outputs.get(name)
         if output is None:
             raise InputError(
                 "reference.not_found", f"job {job_id} has no output '{name}', only {', '.join(job.outputs)}", href=href

@@ -12,11 +12,9 @@ from core.healing.heal import heal
 from core.healing.intersections.resolve import unite_overlaps
 from core.mesh import Mesh
 from core.run import RunContext
-from core.schema.heal import HealInputs
-from core.schema.reference import MeshReference
+from core.schema.heal import HealParameters
 
-NOWHERE = MeshReference(href="/v1/meshes/00000000-0000-0000-0000-000000000000")  # the skin is handed over, not referred to
-UNITING = HealInputs(mesh=NOWHERE, max_volume_change=0.5, max_area_change=0.5, max_deviation_mm=1000.0)
+UNITING = HealParameters(max_volume_change=0.5, max_area_change=0.5, max_deviation_mm=1000.0)
 """Of what the union leaves, such as cavities: a skin is one surface."""
 
 

@@ -28,7 +28,7 @@ from core.healing.t_junctions import split_sides_at_vertices
 from core.mesh import Faces, Mesh, Vertices
 from core.run import SILENT, RunContext
 from core.schema.finding import Finding
-from core.schema.heal import HealInputs
+from core.schema.heal import HealParameters
 from core.validation.measure import significant
 
 Floats = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Healed:
     findings: tuple[Finding, ...]
 
 
-def heal(mesh: Mesh, inputs: HealInputs, run: RunContext = SILENT) -> Healed:
+def heal(mesh: Mesh, inputs: HealParameters, run: RunContext = SILENT) -> Healed:
     """Mend a surface with the smallest change.
 
     Needs:    nothing of its shape.
@@ -94,7 +94,7 @@ class _Draft:
         self.vertices, self.faces, self.changes = vertices, faces, changes
         self.volume_range = (0.0, 0.0)
 
-    def mend(self, inputs: HealInputs, run: RunContext) -> None:
+    def mend(self, inputs: HealParameters, run: RunContext) -> None:
         """Round after round of all stages, until no round changes anything that matters."""
         for number in range(ROUNDS):
             step = run.stage("heal: mend", number / ROUNDS, (number + 1) / ROUNDS)
@@ -111,7 +111,7 @@ class _Draft:
         if inputs.staircase:
             self._apply(partial(smooth_steps, max_mm=inputs.staircase_max_mm))
 
-    def _close(self, inputs: HealInputs, measure_volume: bool) -> None:
+    def _close(self, inputs: HealParameters, measure_volume: bool) -> None:
         """Everything that makes a closed oriented manifold."""
         self._join(inputs.weld_tolerance_mm)
         self._apply(agree_within_sheets)
@@ -162,7 +162,7 @@ def _rounded(mesh: Mesh) -> tuple[Mesh, list[Change]]:
     return rounded, [Change("rounding", message, mesh.vertices[moved], distances)]
 
 
-def _is_fit(mesh: Mesh, inputs: HealInputs) -> bool:
+def _is_fit(mesh: Mesh, inputs: HealParameters) -> bool:
     """True if nothing is to be done."""
     return (
         not inputs.staircase

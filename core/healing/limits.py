@@ -15,7 +15,7 @@ from core.geometry.face_tree import FaceTree
 from core.geometry.normals import face_areas
 from core.healing.change import Change
 from core.mesh import Faces, Mesh, Vertices
-from core.schema.heal import HealInputs
+from core.schema.heal import HealParameters
 from core.validation.measure import significant
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ def measure_extent(before: Mesh, after: Mesh, former: Ints, changes: list[Change
     )
 
 
-def require_within(extent: Extent, inputs: HealInputs) -> None:
+def require_within(extent: Extent, inputs: HealParameters) -> None:
     """Raises: InputError `heal.changes_too_much`."""
     checks = (
         ("area taken away", extent.area_taken, inputs.max_area_change, "max_area_change", ""),

@@ -15,7 +15,7 @@ from core.mesh import Mesh
 from core.processes.software import software_digest
 from core.reports.figures.compose import draw_mesh_figures
 from core.schema.decimate import DecimateInputs
-from core.schema.heal import HealInputs
+from core.schema.heal import HealParameters
 from core.schema.reference import MeshReference
 from core.schema.separate import SeparateInputs
 from core.schema.shells import Layer, ShellsInputs
@@ -76,7 +76,7 @@ def _healing() -> None:
     cube = _cube()
     other = cube.vertices + 0.4 * SIZE_MM
     crossing = Mesh.of(np.vstack((cube.vertices, other)), np.vstack((cube.faces[2:], cube.faces + len(cube.vertices))))
-    heal(crossing, HealInputs(mesh=ANY_MESH, max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
+    heal(crossing, HealParameters(max_volume_change=1.0, max_area_change=1.0, max_deviation_mm=1000.0))
 
 
 def _decimation() -> None:
