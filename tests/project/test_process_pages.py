@@ -38,6 +38,14 @@ def test_readme_leads_to_the_page(process: str) -> None:
 
 
 @pytest.mark.parametrize("process", sorted(PROCESSES))
+def test_page_tells_algorithm_promises_and_limits(process: str) -> None:
+    text = (ROOT / "docs" / "processes" / f"{process}.md").read_text(encoding="utf-8")
+    headings = set(re.findall(r"^## (.+)$", text, flags=re.MULTILINE))
+    assert {"What is promised", "Limits"} - headings == set()
+    assert "../algorithms/" in text or any(heading.startswith(("Algorithm", "How ", "The steps")) for heading in headings)
+
+
+@pytest.mark.parametrize("process", sorted(PROCESSES))
 def test_defaults_are_those_of_the_schema(process: str) -> None:
     schemas, wrong = properties(process), {}
     for keys, told in rows(process):
