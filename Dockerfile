@@ -3,7 +3,7 @@
 # The bases have full versions; a digest differs with the registry: --build-arg PYTHON_IMAGE=python@sha256:... pins yours.
 ARG PYTHON_IMAGE=python:3.11.14-slim-bookworm
 ARG UV_IMAGE=ghcr.io/astral-sh/uv:0.13.9
-ARG NODE_IMAGE=node:24-bookworm-slim
+ARG NODE_IMAGE=node:24.19.0-bookworm-slim
 
 FROM ${UV_IMAGE} AS uv
 
@@ -14,7 +14,8 @@ RUN npm ci --no-audit --no-fund
 COPY web ./
 RUN npm run build
 
-FROM ${PYTHON_IMAGE} AS build
+# the dependencies change less often than the code and get a stage of their own
+FROM ${PYTHON_IMAGE} AS dependencies
 COPY --from=uv /uv /usr/local/bin/uv
 ENV UV_COMPILE_BYTECODE=1 \
     UV_CACHE_DIR=/uv-cache \
@@ -22,11 +23,23 @@ ENV UV_COMPILE_BYTECODE=1 \
     UV_PROJECT_ENVIRONMENT=/opt/integument \
     UV_PYTHON_DOWNLOADS=never
 WORKDIR /src
-# the dependencies change less often than the code and get a layer of their own
 COPY pyproject.toml uv.lock ./
 COPY client/pyproject.toml client/
 RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --extra telemetry --no-install-workspace
+
+FROM dependencies AS handbook
+RUN --mount=type=cache,target=/uv-cache \
+    uv sync --frozen --no-default-groups --group docs --no-install-workspace
+COPY CHANGELOG.md CONTRIBUTING.md LICENSE README.md SECURITY.md ./
+COPY client/README.md client/
+COPY core core
+COPY docs docs
+COPY openapi openapi
+COPY scripts scripts
+RUN /opt/integument/bin/python scripts/docs.py
+
+FROM dependencies AS build
 COPY LICENSE README.md ./
 COPY client client
 COPY api api
@@ -37,6 +50,7 @@ COPY store store
 COPY worker worker
 COPY --from=page /src/api/static api/static
 COPY --from=page /src/core/reports/viewer core/reports/viewer
+COPY --from=handbook /src/api/handbook api/handbook
 RUN --mount=type=cache,target=/uv-cache \
     uv sync --frozen --no-default-groups --extra telemetry --no-editable
 

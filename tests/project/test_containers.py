@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -47,7 +48,7 @@ def test_compose_file_is_valid_and_complete(services: dict[str, Any]) -> None:
 
 def test_images_have_full_versions(services: dict[str, Any]) -> None:
     images = {service["image"] for name, service in services.items() if name not in OURS}
-    images |= {line.partition("=")[2] for line in instructions("ARG") if "NODE" not in line}
+    images |= {line.partition("=")[2] for line in instructions("ARG")}
     for image in images:
         match = FULL_VERSION.fullmatch(image)
         assert match is not None, image
@@ -163,9 +164,13 @@ def test_dockerfile_passes_the_linter() -> None:
     assert outcome.returncode == 0, outcome.stdout
 
 
-def instructions(name: str) -> list[str]:
-    """The arguments of every such instruction of the Dockerfile, continued lines joined."""
+def instructions(name: str, stage: str = "") -> list[str]:
+    """The arguments of every such instruction of the Dockerfile or of one stage of it, continued lines joined."""
     text = re.sub(r"\\\n\s*", " ", DOCKERFILE.read_text(encoding="utf-8"))
+    if stage:
+        (text,) = (
+            part for part in re.split(r"^(?=FROM )", text, flags=re.MULTILINE) if part.partition("\n")[0].endswith(f" AS {stage}")
+        )
     return re.findall(rf"^{name} (.*)$", text, flags=re.MULTILINE)
 
 
@@ -183,8 +188,30 @@ def test_image_holds_every_package_the_wheel_does() -> None:
 
 def test_image_is_built_from_the_lock_file_without_tools_for_development() -> None:
     installs = [line for line in instructions("RUN") if "uv sync" in line]
-    assert len(installs) == 2
     assert all("--frozen" in line and "--no-default-groups" in line for line in installs)
+    assert [line for line in installs if "--group" in line] == [
+        line for line in instructions("RUN", "handbook") if "--group docs" in line
+    ]
+    assert len(instructions("RUN", "build")) == len(instructions("RUN", "dependencies")) == 1
+
+
+def test_handbook_needs_nothing_its_stage_does_not_copy(tmp_path: Path) -> None:
+    """A page that links to another file of the tree would be told of as a broken link, and the image would not be built."""
+    tree, there, here = tmp_path / "tree", tmp_path / "there", tmp_path / "here"
+    for line in instructions("COPY", "handbook"):
+        *sources, target = shlex.split(line)
+        for source in sources:
+            if (ROOT / source).is_dir():
+                shutil.copytree(ROOT / source, tree / target, ignore=shutil.ignore_patterns("__pycache__", "viewer"))
+            else:
+                (tree / target).mkdir(parents=True, exist_ok=True)
+                shutil.copy(ROOT / source, tree / target)
+    for root, folder in ((tree, there), (ROOT, here)):
+        code = f"from pathlib import Path; from scripts.handbook.stage import stage; stage(Path({str(folder)!r}))"
+        subprocess.run([sys.executable, "-c", code], cwd=root, check=True)
+    pages = sorted(path.relative_to(here) for path in here.rglob("*") if path.is_file())
+    assert [page for page in pages if (here / page).read_bytes() != (there / page).read_bytes()] == []
+    assert pages == sorted(path.relative_to(there) for path in there.rglob("*") if path.is_file())
 
 
 def test_image_runs_as_the_user_of_the_compose_file(services: dict[str, Any]) -> None:
