@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from server.embedded import API_COMMAND, WORKER_COMMAND
 from server.valkey import valkey_program
@@ -125,6 +126,26 @@ def test_settings_are_accepted(services: dict[str, Any], name: str, monkeypatch:
     assert settings.broker_url == "redis://:sesame2@valkey:6379/0"
     assert str(settings.data_dir) == "/data"
     assert (settings.require_keys == "true") is (name == "api")
+
+
+def test_the_api_answers_to_the_name_prometheus_calls_it(services: dict[str, Any]) -> None:
+    config = yaml.safe_load((ROOT / "deploy" / "prometheus" / "prometheus.yml").read_text())
+    ((target,),) = [entry["targets"] for scrape in config["scrape_configs"] for entry in scrape["static_configs"]]
+    name, _, port = target.partition(":")
+    environment = services["api"]["environment"]
+    assert name in environment["INTEGUMENT_ALLOWED_HOSTS"].split(",")
+    assert (name, port) == ("api", environment["INTEGUMENT_PORT"])
+
+
+def test_other_settings_reach_our_programs_by_a_file_that_need_not_be(services: dict[str, Any]) -> None:
+    for name in OURS:
+        assert services[name]["env_file"] == [{"path": "settings.env", "required": False}]
+
+
+def test_files_with_secrets_are_not_committed() -> None:
+    names = [".env", "settings.env", "compose.override.yaml"]
+    ignored = subprocess.run(["git", "check-ignore", *names], cwd=ROOT, capture_output=True, text=True)
+    assert ignored.stdout.split() == names
 
 
 def test_nothing_starts_before_what_it_needs(services: dict[str, Any]) -> None:
