@@ -193,8 +193,8 @@ SEGMENT = ProcessDescription(
     id="segment",
     version="1.0.0",
     title="Make surfaces of labels",
-    description="A label volume (NIfTI or MGZ, any orientation, uneven voxels) to one closed manifold surface per label: smooth below "
-    "the size of a voxel without shrinkage, neighbours kept apart by a gap, islands and cavities as asked, proven free of "
+    description="A label volume (NIfTI or MGZ, any orientation, uneven voxels) to one closed manifold surface per label: smooth "
+    "below the size of a voxel without shrinkage, neighbours kept apart by a gap, islands and cavities as asked, proven free of "
     "intersections in the delivered files.",
     keywords=("segmentation", "labels", "NIfTI", "voxels", "surface", "isosurface"),
     inputs=SegmentInputs,
@@ -256,9 +256,9 @@ PREPARE = ProcessDescription(
     id="prepare",
     version="1.0.0",
     title="Prepare a model, all steps in one",
-    description="From a skin to a model in one job: heal, decimate, detach, smooth, ears and canals, nested layers, inner tissues "
-    "set apart, proof on the delivered files, tetrahedra, package. Each step may be left out; a step that is done is not done "
-    "again after a crash or a retry, and if one fails the results before it are left.",
+    description="From a skin to a model in one job: heal, decimate, detach, smooth, ears and canals, nested layers, inner "
+    "tissues set apart, proof on the delivered files, tetrahedra, package. Each step may be left out; a step that is done is "
+    "not done again after a crash or a retry, and if one fails the results before it are left.",
     keywords=("prepare", "pipeline", "shells", "ears", "inner tissues", "tetrahedra"),
     inputs=PrepareInputs,
     starts_processes=True,
