@@ -1,11 +1,13 @@
-"""Stored meshes as files in other formats, or coarser ones for the eye."""
+"""Stored meshes as files in other formats, or coarser ones for the eye; the field of a job likewise."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from api.downloads import Download, read_file
 from api.intake import limits_of
@@ -13,6 +15,7 @@ from api.services import Services
 from sandbox.call import call
 
 TARGET = "core.processes.export:run"
+FIELD_TARGET = "core.processes.export_field:run"
 # as core.io.registry has them, which is loaded in children alone
 WRITTEN_AS = {
     "stl": ("model/stl", ".stl"),
@@ -45,21 +48,36 @@ def export_mesh(services: Services, mesh: StoredMesh, file_format: str, most_fac
         make(path)
     else:
         services.previews.put_into(path, make, mesh.sha256, mesh.media_type, mesh.name, file_format, most_faces)
-    with path.open("rb") as file:
-        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     media_type, extension = WRITTEN_AS[file_format]
-    return Download(partial(read_file, path), path.stat().st_size, sha256, media_type, mesh.name + extension)
+    return _download(path, media_type, mesh.name + extension)
+
+
+def export_field(services: Services, field: StoredMesh, most_faces: int, folder: Path) -> Download:
+    """The .msh that `fields` made, coarser, with magnitudes alone; else as `export_mesh`."""
+    path = folder / "export"
+    make = partial(_run, services, FIELD_TARGET, field, {"most_faces": most_faces}, folder)
+    services.previews.put_into(path, make, field.sha256, field.media_type, most_faces)
+    return _download(path, field.media_type, field.file_name)
 
 
 def _export(services: Services, mesh: StoredMesh, file_format: str, most_faces: int | None, folder: Path, path: Path) -> None:
-    stored = services.blobs.fetch(mesh.sha256, folder).absolute()
     payload = {
-        "path": str(stored),
         "media_type": mesh.media_type,
         "file_name": mesh.file_name,
-        "out_path": str(path),
         "format": file_format,
         "name": mesh.name,
         "most_faces": most_faces,
     }
-    call(services.nursery, TARGET, payload, limits_of(services), folder, readable=[stored])
+    _run(services, TARGET, mesh, payload, folder, path)
+
+
+def _run(services: Services, target: str, stored: StoredMesh, payload: Mapping[str, Any], folder: Path, out_path: Path) -> None:
+    path = services.blobs.fetch(stored.sha256, folder).absolute()
+    paths = {"path": str(path), "out_path": str(out_path)}
+    call(services.nursery, target, {**payload, **paths}, limits_of(services), folder, readable=[path])
+
+
+def _download(path: Path, media_type: str, file_name: str) -> Download:
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    return Download(partial(read_file, path), path.stat().st_size, sha256, media_type, file_name)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import pathlib
+from collections.abc import Callable
 from functools import partial
-from pathlib import PurePath
 from typing import Annotated, Any
 
 import anyio
@@ -17,7 +18,7 @@ from api.access import WorkspaceDep
 from api.downloads import Download, send_download
 from api.job_documents import REPORT_HTML_OUTPUT, REPORT_OUTPUT, describe_failure, refer_to_results
 from api.links import job_path
-from api.mesh_export import WRITTEN_AS, StoredMesh, export_mesh
+from api.mesh_export import WRITTEN_AS, StoredMesh, export_field, export_mesh
 from api.negotiation import prefers
 from api.outcome import no_such_output, require_results, tell_failure
 from api.parameters import JobId, MostFaces
@@ -56,6 +57,7 @@ def get_results(job_id: JobId, request: Request, services: ServicesDep, workspac
 
 FACES_HEADER = "Integument-Faces"
 STL_MEDIA_TYPE = WRITTEN_AS["stl"][0]
+FIELDS, FIELD = "fields", "msh"  # the process whose output of this name has a field on triangles
 
 
 @router.head("/results/{output}", include_in_schema=False)
@@ -76,23 +78,35 @@ async def get_result(
 ) -> Response:
     """One output as a file. A failed job may have left some too: the problem of its results lists them.
 
-    A surface with more than `most_faces` comes coarser, and the header `Integument-Faces` says how many it really has."""
-    found = await run_in_threadpool(_find_output, services, workspace, job_id, output)
-    faces = count_faces(found)
-    if most_faces is None or found.media_type != STL_MEDIA_TYPE or faces <= most_faces:
+    A surface with more than `most_faces` comes coarser, and the header `Integument-Faces` says how many it really has. `msh` of
+    `fields` comes coarser, too: magnitudes alone, at most so many triangles in all, each with that of the one it stands for."""
+    job, found = await run_in_threadpool(_find_output, services, workspace, job_id, output)
+    coarser = None if most_faces is None else _coarser(services, job, output, found, most_faces, folder)
+    if coarser is None:
         return send_download(request, await run_in_threadpool(_download, services, found))
-    stored = StoredMesh(found.sha256, found.media_type, found.file_name, PurePath(found.file_name).stem)
-    export = partial(export_mesh, services, stored, "stl", most_faces, folder)
-    download = await anyio.to_thread.run_sync(export, limiter=services.intake_slots)
-    return send_download(request, download, extra_headers={FACES_HEADER: str(faces)})
+    download = await anyio.to_thread.run_sync(coarser, limiter=services.intake_slots)
+    headers = {FACES_HEADER: str(count_faces(found))} if found.media_type == STL_MEDIA_TYPE else {}
+    return send_download(request, download, extra_headers=headers)
 
 
-def _find_output(services: Services, workspace: WorkspaceId, job_id: str, output: str) -> JobOutput:
+def _coarser(
+    services: Services, job: Job, output: str, found: JobOutput, most_faces: int, folder: pathlib.Path
+) -> Callable[[], Download] | None:
+    """How to make it; None where it goes out as it is."""
+    stored = StoredMesh(found.sha256, found.media_type, found.file_name, pathlib.PurePath(found.file_name).stem)
+    if (job.process, output) == (FIELDS, FIELD):
+        return partial(export_field, services, stored, most_faces, folder)
+    if found.media_type == STL_MEDIA_TYPE and count_faces(found) > most_faces:
+        return partial(export_mesh, services, stored, "stl", most_faces, folder)
+    return None
+
+
+def _find_output(services: Services, workspace: WorkspaceId, job_id: str, output: str) -> tuple[Job, JobOutput]:
     job = services.jobs.get(workspace, job_id)
     found = job.outputs.get(output)
     if found is None:
         raise no_such_output(require_results(job), output)
-    return found
+    return job, found
 
 
 @router.head("/report", include_in_schema=False)

@@ -56,13 +56,19 @@ def write_msh(path: Path, tissues: Sequence[Tissue], mapped: Mapping[str, Mapped
     Element data of a .msh goes over all elements: a triangle without a value has NaN."""
     surfaces = merge(tissues)
     rows = [_quantities(mapped[tissue.name]) for tissue in tissues]
-    data = {name: [np.concatenate([each[name] for each in rows])] for name in rows[0]}
+    data = {name: np.concatenate([each[name] for each in rows]) for name in rows[0]}
     data[SIMNIBS_MAGNITUDE] = data.pop(MAGNITUDE)
-    tags = [surfaces.tags + SURFACE]
+    write_triangles(path, surfaces.vertices, surfaces.faces, surfaces.tags + SURFACE, data)
+
+
+def write_triangles(
+    path: Path, vertices: Floats, faces: NDArray[np.int64], tags: NDArray[np.int64], data: Mapping[str, Floats]
+) -> None:
+    """gmsh 2.2 binary; tags and data: a row per triangle."""
     mesh = meshio.Mesh(
-        surfaces.vertices,
-        [("triangle", surfaces.faces)],
-        cell_data={**data, "gmsh:physical": tags, "gmsh:geometrical": tags},
+        vertices,
+        [("triangle", faces)],
+        cell_data={**{name: [values] for name, values in data.items()}, "gmsh:physical": [tags], "gmsh:geometrical": [tags]},
     )
     meshio.write(path, mesh, file_format="gmsh22", binary=True)
 

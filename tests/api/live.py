@@ -73,14 +73,18 @@ class Live:
         return job
 
     def successful(
-        self, outputs: Mapping[str, tuple[bytes, str, str]] | None = None, *, workspace: WorkspaceId = DEFAULT_WORKSPACE
+        self,
+        outputs: Mapping[str, tuple[bytes, str, str]] | None = None,
+        *,
+        workspace: WorkspaceId = DEFAULT_WORKSPACE,
+        process: str = "validate",
     ) -> Job:
         """A job that made these outputs: name -> (bytes, media type, file name)."""
         made = outputs or {
             "report": (REPORT, "application/json", "report.json"),
             "report_html": (REPORT_HTML, "text/html", "report.html"),
         }
-        job = self.running(workspace=workspace)
+        job = self.running(process, workspace=workspace)
         kept = self.services.jobs.finish(
             job.id,
             job.lease_token,

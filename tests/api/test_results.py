@@ -8,6 +8,8 @@ import json
 from pathlib import Path
 
 import httpx
+import meshio
+import numpy as np
 import pytest
 
 from api.downloads import content_disposition, requested_span
@@ -15,7 +17,10 @@ from api.mesh_export import WRITTEN_AS
 from api.routes.meshes import FILE_MEDIA_TYPES
 from api.schemas.job_report import JobReport
 from core.errors import InputError, InternalError, LimitError, StateError
+from core.fields.mapped import MappedField
 from core.io.registry import FORMATS, WRITERS, WRITTEN_ONLY, write_mesh
+from core.package.field_files import write_msh
+from core.package.tissue import FREE_SPACE, Tissue
 from core.schema.finding import Finding, Place, Severity
 from store.job import JobFailure
 from store.workspace import DEFAULT_WORKSPACE
@@ -381,3 +386,24 @@ def test_a_lost_blob_is_our_fault(api: Live) -> None:
     Path(api.services.blobs.path(job.outputs["report"].sha256)).unlink()
     for path in ("/report", "/results/report"):
         problem_of(api.client.get(f"/v1/jobs/{job.id}{path}"), 500, "blob.missing")
+
+
+def test_a_large_field_is_thinned_with_its_values(api: Live, tmp_path: Path) -> None:
+    ball = sphere(50.0, 4)
+    count = len(ball.faces)
+    values = MappedField(np.arange(1.0, count + 1.0)[:, None], np.zeros(count), "nearest")
+    write_msh(tmp_path / "fields.msh", [Tissue("skin", ball, None, 1.0, FREE_SPACE)], {"skin": values})
+    content = ((tmp_path / "fields.msh").read_bytes(), "application/x-gmsh", "fields.msh")
+    job = api.successful({"msh": content}, process="fields")
+    path = f"/v1/jobs/{job.id}/results/msh"
+    assert api.client.get(path).content == content[0]
+    coarse = api.client.get(path, params={"most_faces": 1000})
+    assert coarse.headers["content-type"] == "application/x-gmsh"
+    assert coarse.headers["content-disposition"] == 'attachment; filename="fields.msh"'
+    (tmp_path / "coarse.msh").write_bytes(coarse.content)
+    seen = meshio.read(tmp_path / "coarse.msh", file_format="gmsh")
+    assert 200 < len(seen.cells[0].data) <= 1000
+    assert set(seen.cell_data["magnE"][0]) <= set(values.magnitude)
+    other = api.successful({"msh": content}, process="tetrahedralize")
+    assert api.client.get(f"/v1/jobs/{other.id}/results/msh", params={"most_faces": 1000}).content == content[0]
+    assert api.is_clean()

@@ -3,7 +3,7 @@ import { readCoil } from "../src/mesh/coil";
 import { readMsh } from "../src/mesh/msh";
 
 /** Two tetrahedra, four faces each, as the server writes them; numbered from 1. */
-function mshOf(magnitudes: readonly number[]): ArrayBuffer {
+function mshOf(magnitudes: readonly number[], tags: readonly number[] = [1005, 1007]): ArrayBuffer {
   const corners = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1];
   const places = [...corners, ...corners.map((value) => value + 5)];
   const faces = [0, 4].flatMap((first) => [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2].map((corner) => first + corner + 1));
@@ -11,7 +11,10 @@ function mshOf(magnitudes: readonly number[]): ArrayBuffer {
   pieces.push(`$Nodes\n${places.length / 3}\n`);
   for (let i = 0; i < places.length / 3; i++) pieces.push([i + 1], { double: places.slice(3 * i, 3 * i + 3) });
   pieces.push("\n$EndNodes\n", `$Elements\n${faces.length / 3}\n`, [2, faces.length / 3, 2]);
-  for (let f = 0; f < faces.length / 3; f++) pieces.push([f + 1, 1005, 1005, ...faces.slice(3 * f, 3 * f + 3)]);
+  for (let f = 0; f < faces.length / 3; f++) {
+    const tag = tags[f < 4 ? 0 : 1]!;
+    pieces.push([f + 1, tag, tag, ...faces.slice(3 * f, 3 * f + 3)]);
+  }
   pieces.push("\n$EndElements\n", `$ElementData\n1\n"magnE"\n1\n0.0\n3\n0\n1\n${magnitudes.length}\n`);
   magnitudes.forEach((value, f) => {
     pieces.push([f + 1], { double: [value] });
@@ -27,16 +30,19 @@ function mshOf(magnitudes: readonly number[]): ArrayBuffer {
 }
 
 test("a field comes back surface by surface, with a number per face", () => {
-  const [inner, outer] = readMsh(mshOf([1, 2, 3, 4, 5, Number.NaN, 7, 8]), [4, 4]);
+  const [inner, outer] = readMsh(mshOf([1, 2, 3, 4, 5, Number.NaN, 7, 8]));
   expect([...inner!.values]).toEqual([1, 2, 3, 4]);
   expect([...outer!.values]).toEqual([5, Number.NaN, 7, 8]);
   expect([...outer!.mesh.faces.slice(0, 3)]).toEqual([0, 2, 1]);
   expect([...outer!.mesh.positions.slice(0, 6)]).toEqual([5, 5, 5, 6, 5, 5]);
 });
 
-test("a file that does not fit its report is refused", () => {
-  expect(() => readMsh(mshOf([1, 2, 3, 4, 5, 6, 7, 8]), [4])).toThrow("does not fit");
-  expect(() => readMsh(new ArrayBuffer(100), [4])).toThrow("has no $Nodes");
+test("faces of one tag are one surface", () => {
+  expect(readMsh(mshOf([1, 2, 3, 4, 5, 6, 7, 8], [1003, 1003])).map(({ values }) => values.length)).toEqual([8]);
+});
+
+test("a file that holds no field is refused", () => {
+  expect(() => readMsh(new ArrayBuffer(100))).toThrow("has no $Nodes");
 });
 
 test("coils are read as places in mm, from rows and from JSON", async () => {

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from core.mesh import Mesh
 
@@ -11,12 +14,25 @@ FINER = 0.8
 MOST_TURNS = 8
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Coarser:
+    """A mesh for the eye. stands_for: (F,) the number of the face of the fine mesh that each of its faces was."""
+
+    mesh: Mesh
+    stands_for: NDArray[np.int64]
+
+
 def thin_out(mesh: Mesh, wanted: int) -> Mesh:
     """About as many faces as wanted, for the eye alone: it may be open, fold and cut itself. Never none at all."""
+    return make_coarser(mesh, wanted).mesh
+
+
+def make_coarser(mesh: Mesh, wanted: int) -> Coarser:
+    """The same, with what each face stands for: a value per face follows its face."""
     cells = np.sqrt(max(wanted, 1)) * CELLS_PER_ROOT
-    result = mesh
+    result = Coarser(mesh, np.arange(len(mesh.faces), dtype=np.int64))
     for _ in range(MOST_TURNS):
-        if len(result.faces) <= wanted:
+        if len(result.mesh.faces) <= wanted:
             break
         coarser = _clustered(mesh, max(int(cells), 1))
         if coarser is None:
@@ -26,7 +42,7 @@ def thin_out(mesh: Mesh, wanted: int) -> Mesh:
     return result
 
 
-def _clustered(mesh: Mesh, cells: int) -> Mesh | None:
+def _clustered(mesh: Mesh, cells: int) -> Coarser | None:
     """None if no face is left."""
     low = mesh.vertices.min(axis=0)
     step = float(mesh.extents_mm().max()) / cells or 1.0
@@ -36,4 +52,4 @@ def _clustered(mesh: Mesh, cells: int) -> Mesh | None:
     means = np.column_stack([np.bincount(cell, mesh.vertices[:, axis], minlength=len(count)) / count for axis in range(3)])
     faces = cell[mesh.faces]
     kept = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    return Mesh.of(means, faces[kept]) if kept.any() else None
+    return Coarser(Mesh.of(means, faces[kept]), np.flatnonzero(kept)) if kept.any() else None

@@ -1,7 +1,7 @@
 import { readCoil } from "../mesh/coil";
 import { SHOWN_FACES } from "../mesh/thin_out";
 import type { ReadMesh } from "../mesh/worker";
-import { readMesh } from "../mesh/workshop";
+import { readMesh, readSolved } from "../mesh/workshop";
 import { type Page, upTo } from "./pages";
 import { ask, askJson } from "./server";
 import type { MeshInfo, Vector } from "./types";
@@ -61,4 +61,23 @@ async function fetchNow(href: string): Promise<ReadMesh> {
   const reply = await ask(`${href}/file?format=ply&most_faces=${SHOWN_FACES}`);
   const mesh = await readMesh(await reply.arrayBuffer(), "ply");
   return faces > SHOWN_FACES ? { ...mesh, faces, thinned: true, closed: false } : mesh; // the server thinned it
+}
+
+/** The surfaces of a solver's field with a number per face; `counts`: name -> faces of each, in the order of the file. */
+export async function fetchField(
+  path: string,
+  counts: Record<string, number>,
+  signal: AbortSignal,
+): Promise<Record<string, ReadMesh>> {
+  const all = Object.values(counts).reduce((sum, count) => sum + count, 0);
+  const reply = await ask(all > SHOWN_FACES ? `${path}?most_faces=${SHOWN_FACES}` : path, { signal });
+  const meshes = await readSolved(await reply.arrayBuffer());
+  if (meshes.length !== Object.keys(counts).length) throw new Error("The file of the field does not fit its report.");
+  return Object.fromEntries(
+    Object.entries(counts).map(([name, faces], place) => {
+      const mesh = meshes[place]!;
+      const thinned = mesh.faces < faces;
+      return [name, { ...mesh, faces, thinned, closed: mesh.closed && !thinned }];
+    }),
+  );
 }

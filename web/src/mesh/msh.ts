@@ -9,30 +9,35 @@ export interface SolvedSurface {
 const MAGNITUDE = "magnE";
 const TRIANGLE = 2;
 
-/** The binary gmsh 2.2 this server writes for a field: triangles alone, surface after surface; `counts` are theirs. */
-export function readMsh(data: ArrayBuffer, counts: readonly number[]): SolvedSurface[] {
+/** The binary gmsh 2.2 this server writes for a field: triangles alone, one surface after the other, each with a tag of its own. */
+export function readMsh(data: ArrayBuffer): SolvedSurface[] {
   const file = new Sections(data);
   const nodes = file.find("$Nodes");
   const positions = new Float32Array(3 * nodes.count);
   for (let i = 0; i < nodes.count; i++) {
     for (let k = 0; k < 3; k++) positions[3 * i + k] = file.view.getFloat64(nodes.start + 28 * i + 4 + 8 * k, true);
   }
-  const elements = file.find("$Elements");
-  const total = counts.reduce((sum, count) => sum + count, 0);
-  const [kind, inBlock, tags] = [0, 1, 2].map((k) => file.view.getInt32(elements.start + 4 * k, true));
-  if (kind !== TRIANGLE || inBlock !== total || elements.count !== total)
-    throw new Error("The file of the field does not fit its report.");
-  const row = 4 * (1 + tags! + 3);
-  const corner = (face: number, k: number) =>
-    file.view.getInt32(elements.start + 12 + face * row + 4 * (1 + tags! + k), true) - 1;
-  const magnitudes = magnitudesOf(file, total);
-  let first = 0;
-  return counts.map((count) => {
-    const mesh = surfaceOf(positions, first, count, corner);
-    const values = magnitudes.slice(first, first + count);
-    first += count;
-    return { mesh, values };
-  });
+  const { count, start } = file.find("$Elements");
+  const [kind, inBlock, tags] = [0, 1, 2].map((k) => file.view.getInt32(start + 4 * k, true));
+  if (kind !== TRIANGLE || inBlock !== count || !(tags! > 0))
+    throw new Error("The file of the field is not as expected.");
+  const number = (face: number, column: number) =>
+    file.view.getInt32(start + 12 + 4 * (face * (1 + tags! + 3) + column), true);
+  const magnitudes = magnitudesOf(file, count);
+  return runsOf(count, (face) => number(face, 1)).map(([first, end]) => ({
+    mesh: surfaceOf(positions, first, end - first, (face, k) => number(face, 1 + tags! + k) - 1),
+    values: magnitudes.slice(first, end),
+  }));
+}
+
+/** Where faces of one tag begin and end. */
+function runsOf(count: number, tagOf: (face: number) => number): [first: number, end: number][] {
+  const runs: [number, number][] = [];
+  for (let face = 0; face < count; face++) {
+    if (face > 0 && tagOf(face) === tagOf(face - 1)) runs.at(-1)![1] = face + 1;
+    else runs.push([face, face + 1]);
+  }
+  return runs;
 }
 
 /** Faces from `first` on with vertices of their own; those of one surface stand together in the file. */

@@ -15,7 +15,7 @@ export type FieldKind = "quality" | "curvature" | "distance";
 
 export type Task =
   | { kind: "read"; data: ArrayBuffer; format: FileKind }
-  | { kind: "solved"; data: ArrayBuffer; counts: readonly number[] }
+  | { kind: "solved"; data: ArrayBuffer }
   | { kind: "field"; field: FieldKind; mesh: Triangles; to: Triangles | null }
   | { kind: "tree"; mesh: Triangles };
 
@@ -46,9 +46,9 @@ function read(data: ArrayBuffer, format: FileKind): ReadMesh {
   };
 }
 
-/** All faces, however many there are: each has a number of its own. */
-function solved({ data, counts }: Extract<Task, { kind: "solved" }>): ReadMesh[] {
-  return readMsh(data, counts).map(({ mesh, values }) => ({
+/** As they come: the server thins a field, so that every face keeps a number of its own. */
+function solved(data: ArrayBuffer): ReadMesh[] {
+  return readMsh(data).map(({ mesh, values }) => ({
     shown: mesh,
     faces: mesh.faces.length / 3,
     thinned: false,
@@ -77,7 +77,7 @@ function answerTo(task: Task): [result: unknown, moved: unknown[]] {
     return [result, [result.shown.positions.buffer, result.shown.faces.buffer]];
   }
   if (task.kind === "solved") {
-    const result = solved(task);
+    const result = solved(task.data);
     const moved = result.flatMap(({ shown, magnitudes }) => [shown.positions, shown.faces, magnitudes!]);
     return [result, moved.map((array) => array.buffer)];
   }

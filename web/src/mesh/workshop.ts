@@ -46,9 +46,9 @@ export function readMesh(data: ArrayBuffer, format: FileKind): Promise<ReadMesh>
   return hand<ReadMesh>({ kind: "read", data, format }, [data]);
 }
 
-/** Surfaces with a field, each of so many faces; the buffer is empty afterwards. */
-export function readSolved(data: ArrayBuffer, counts: readonly number[]): Promise<ReadMesh[]> {
-  return hand<ReadMesh[]>({ kind: "solved", data, counts }, [data]);
+/** Surfaces with a field; the buffer is empty afterwards. */
+export function readSolved(data: ArrayBuffer): Promise<ReadMesh[]> {
+  return hand<ReadMesh[]>({ kind: "solved", data }, [data]);
 }
 
 /** A copy of the mesh goes to the worker; the page goes on meanwhile. */

@@ -7,6 +7,8 @@ export function FieldControl(props: {
   names: readonly string[];
   /** Whether the surfaces have a solver's field. */
   solved: boolean;
+  /** Whether any is shown by fewer faces than it has. */
+  thinned: boolean;
   choice: FieldChoice | null;
   field: Field | null;
   failure: string;
@@ -41,7 +43,12 @@ export function FieldControl(props: {
       {props.failure && <p class="note bad">{props.failure}</p>}
       {field && <Legend field={field} onRange={props.onRange} />}
       {field && choice?.kind === "magnitude" && (
-        <p class="muted small">One value per triangle; grey where there is none. Point at a surface to read it.</p>
+        <p class="muted small">
+          {props.thinned
+            ? "Shown by fewer triangles, each with the value of one that lies there: numbers of all are in the report and the files. "
+            : "One value per triangle. "}
+          Grey where there is none. Point at a surface to read it.
+        </p>
       )}
       {field && choice?.kind === "distance" && (
         <p class="muted small">

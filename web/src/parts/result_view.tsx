@@ -71,6 +71,7 @@ export function ResultView({ job }: { job: Job }) {
           visible: !name.endsWith(BEFORE),
           opacity: 1,
           closed: mesh.closed,
+          thinned: mesh.thinned,
           ...looks[name],
           field: field ? { ...field, low, high } : null,
         };
@@ -119,6 +120,7 @@ export function ResultView({ job }: { job: Job }) {
             <FieldControl
               names={names}
               solved={solved}
+              thinned={surfaces.some((one) => one.thinned && one.visible)}
               choice={choice}
               field={measured[0] ? { ...measured[0], low, high } : null}
               failure={failure}

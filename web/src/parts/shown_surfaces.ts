@@ -1,8 +1,7 @@
 import { useMemo } from "preact/hooks";
-import { ask, messageOf } from "../api/server";
+import { fetchField } from "../api/meshes";
+import { messageOf } from "../api/server";
 import type { Report, ResultReference } from "../api/types";
-import type { ReadMesh } from "../mesh/worker";
-import { readSolved } from "../mesh/workshop";
 import { useLoaded } from "./loaded";
 import { shownMeshes } from "./shown_meshes";
 import { type LoadedTriangles, useTriangles } from "./triangles_of";
@@ -15,9 +14,9 @@ export function useShownSurfaces(
   inputs: Record<string, unknown> | null,
   report: Report | null,
 ): LoadedTriangles {
-  const counts = Object.entries(report?.fields ?? {}).map(([name, one]) => [name, one.faces] as const);
-  const solved = results?.msh && counts.length > 0 ? new URL(results.msh.href).pathname : "";
-  const field = useLoaded(`field ${solved}`, async (signal) => (solved ? readField(solved, counts, signal) : null));
+  const counts = Object.fromEntries(Object.entries(report?.fields ?? {}).map(([name, one]) => [name, one.faces]));
+  const solved = results?.msh && report?.process === "fields" ? new URL(results.msh.href).pathname : "";
+  const field = useLoaded(`field ${solved}`, async (signal) => (solved ? fetchField(solved, counts, signal) : null));
   const hrefs = useMemo(
     () => (results && inputs && !solved ? shownMeshes(results, inputs) : {}),
     [results, inputs, solved],
@@ -29,17 +28,4 @@ export function useShownSurfaces(
     loading: field.loading,
     failure: field.error ? `The field cannot be shown: ${messageOf(field.error)}` : "",
   };
-}
-
-async function readField(
-  path: string,
-  counts: readonly (readonly [name: string, faces: number])[],
-  signal: AbortSignal,
-): Promise<Record<string, ReadMesh>> {
-  const reply = await ask(path, { signal });
-  const meshes = await readSolved(
-    await reply.arrayBuffer(),
-    counts.map(([, faces]) => faces),
-  );
-  return Object.fromEntries(counts.map(([name], i) => [name, meshes[i]!]));
 }

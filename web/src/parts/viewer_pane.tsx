@@ -88,7 +88,8 @@ export function ViewerPane(props: ViewerPaneProps) {
     if (picture) saveBlob(picture, "integument.png");
   };
   const said = broken || failure || loading || (surfaces.length === 0 ? empty : "");
-  const field = probe && !probe.inSection && surfaces.find((one) => one.name === probe.surface)?.field;
+  const under = probe && !probe.inSection ? surfaces.find((one) => one.name === probe.surface) : undefined;
+  const field = under?.field;
   return (
     <div class="viewer" data-ready={viewer !== null && surfaces.length > 0 && !said}>
       <canvas
@@ -132,6 +133,7 @@ export function ViewerPane(props: ViewerPaneProps) {
                 {field && ` · ${field.name} `}
                 {field && (probe.value === null ? "has no value here" : <b>{sayNumber(probe.value)}</b>)}
                 {field && probe.value !== null && ` ${field.unit}`}
+                {field && under?.thinned && " · of the coarser surface shown"}
               </div>
             )}
           </div>

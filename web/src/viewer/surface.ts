@@ -25,6 +25,8 @@ export interface Surface {
   visible: boolean;
   opacity: number;
   closed: boolean;
+  /** Whether it is shown by fewer faces than it has. */
+  thinned?: boolean;
   field: Field | null;
 }
 
