@@ -13,6 +13,7 @@ import pytest
 import yaml
 from cloudcoil.models.keda import v1alpha1 as keda
 
+from api.__main__ import GRACE_S
 from server.embedded import API_COMMAND, WORKER_COMMAND
 from store.settings import PREFIX, Settings
 from tests.project.sources import ROOT
@@ -154,7 +155,16 @@ def test_a_worker_that_is_taken_away_may_end_its_jobs(manifests: list[Manifest],
     assert grace_s > settings.drain_s + 30
     (worker,) = pod(manifests, "Deployment", "integument-worker")["containers"]
     limit = int(worker["resources"]["limits"]["memory"].removesuffix("Gi")) * 2**30
+    assert worker["resources"]["requests"]["memory"] == worker["resources"]["limits"]["memory"], "jobs are admitted by the limit"
     assert limit * 0.8 >= settings.worker_concurrency * settings.job_memory_bytes, "what jobs may take of a host"
+
+
+def test_an_api_pod_is_asked_until_nobody_sends_it_requests_any_more(manifests: list[Manifest]) -> None:
+    spec = pod(manifests, "Deployment", "integument-api")
+    (api,) = spec["containers"]
+    sleep_s = api["lifecycle"]["preStop"]["sleep"]["seconds"]
+    assert sleep_s >= api["readinessProbe"]["periodSeconds"]
+    assert spec["terminationGracePeriodSeconds"] >= sleep_s + GRACE_S + 15
 
 
 def test_every_network_path_is_named(manifests: list[Manifest]) -> None:
