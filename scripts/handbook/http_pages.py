@@ -60,7 +60,7 @@ def _body(media_type: str, content: Mapping[str, Any]) -> str:
 
 
 def _schemas(schemas: Mapping[str, Mapping[str, Any]]) -> str:
-    return "# HTTP: schemas\n\nEvery document of the API, by name.\n\n" + "\n".join(_schema_parts(schemas))
+    return "# HTTP: Schemas\n\nEvery document of the API, by name.\n\n" + "\n".join(_schema_parts(schemas))
 
 
 def _schema_parts(schemas: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
