@@ -125,7 +125,7 @@ class ServerNotInstalledError(EmbeddedServerError):
 
     def __init__(self) -> None:
         super().__init__(
-            "the server is not installed beside this client; install it with `pip install integument-server`, "
+            "the server is not installed beside this client; install it with `pip install .` in a clone of the repository, "
             "or name a running one with --server or INTEGUMENT_URL"
         )
 

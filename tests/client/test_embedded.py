@@ -83,7 +83,7 @@ def test_without_the_server_installed_the_command_line_says_how_to_install_it(
         pass
     for arguments in (["serve"], ["jobs"]):
         assert main(arguments) == 2
-        assert "pip install integument-server" in capsys.readouterr().err
+        assert "`pip install .`" in capsys.readouterr().err
 
 
 def test_a_file_of_a_dead_server_does_not_count(tmp_path: Path) -> None:
