@@ -6,21 +6,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet, circle_path
+from core.reports.figures.legend import Entry, draw_entries, entries_height_px
+from core.reports.figures.lettering import Letters
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_views, place_picture
 from core.reports.figures.view import Scratch, Surface, look
 from core.reports.palette import Colour, lightened
 
 Floats = NDArray[np.float64]
 WIDTH_IN, HEIGHT_IN, LEGEND_IN = 8.4, 5.5, 0.24
-RADIUS_PX = 13.0
+LEGEND_LEFT = 0.02  # of the width
+RADIUS_PX, RING_PT = 13.0, 1.2
+NUMBER = Letters(6.5)
 NUMBER_PX = 16.0  # width of a number beside a circle
 CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))  # where the number of a circle stands, by kind: those of two kinds often coincide
 SLACK_MM = 10.0  # a place on an inner shell or in a fold counts as visible through this much
@@ -46,22 +47,20 @@ def draw_circled(
     legend_in = LEGEND_IN * len(marks) + (0.1 if marks else 0.0)
     paint = np.tile(np.array(lightened(colour, 0.62), dtype=np.uint8), (len(mesh.faces), 1)) if painted is None else painted
     surface = Surface.of(mesh)
-    with sheet(WIDTH_IN, HEIGHT_IN + legend_in, VIEW_DPI) as figure:
-        below_px = round(legend_in * VIEW_DPI)
-        panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
-        scratch, seen = Scratch(), []
-        for panel in panels:
-            raster = look(surface, panel.view, scratch)
-            place_picture(figure, panel, raster.paint(paint), below_px)
-            seen.append([raster.sees(mark.points, SLACK_MM) for mark in marks])
-        for number, mark in enumerate(marks):
-            for circle in _circles(mark, panels, np.array([visible[number] for visible in seen])):
-                _draw_circle(figure, circle, mark.colour, below_px, CORNERS[number % len(CORNERS)])
-        if marks:
-            figure.legend(
-                handles=[_handle(mark) for mark in marks], loc="lower left", bbox_to_anchor=(0.02, 0.0), borderaxespad=0.2
-            )
-        return to_png(figure)
+    sheet = Sheet(WIDTH_IN, HEIGHT_IN + legend_in, VIEW_DPI)
+    below_px = round(legend_in * VIEW_DPI)
+    panels = arrange_views(mesh, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI))
+    scratch, seen = Scratch(), []
+    for panel in panels:
+        raster = look(surface, panel.view, scratch)
+        place_picture(sheet, panel, raster.paint(paint), below_px)
+        seen.append([raster.sees(mark.points, SLACK_MM) for mark in marks])
+    for number, mark in enumerate(marks):
+        for circle in _circles(mark, panels, np.array([visible[number] for visible in seen])):
+            _draw_circle(sheet, circle, mark.colour, below_px, CORNERS[number % len(CORNERS)])
+    if marks:
+        draw_entries(sheet, [_entry(mark) for mark in marks], LEGEND_LEFT * sheet.width_px, entries_height_px(sheet, len(marks)))
+    return sheet.png()
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,23 +109,25 @@ def _overlap(first: Floats, second: Floats) -> bool:
     return float(np.linalg.norm(one - other)) < radius + other_radius
 
 
-def _draw_circle(figure: Sheet, circle: _Circle, colour: str, below_px: int, corner: tuple[int, int]) -> None:
+def _draw_circle(sheet: Sheet, circle: _Circle, colour: str, below_px: int, corner: tuple[int, int]) -> None:
     left, bottom, _, _ = circle.panel.place
     x, y = left + float(circle.centre[0]), bottom + below_px + float(circle.centre[1])
-    style = "--" if circle.hidden else "-"
-    ring = Circle((x, y), circle.radius_px, transform=None, facecolor="none", edgecolor=colour, linewidth=1.2, linestyle=style)
-    figure.add_artist(ring)
+    sheet.stroke(circle_path(x, y, circle.radius_px), colour, RING_PT, dashed=circle.hidden)
     if circle.count > 1:
-        width_px, height_px = figure.get_size_inches() * figure.dpi
         across, up = corner
-        if not 0 < x + across * (circle.radius_px + NUMBER_PX) < width_px:
+        if not 0 < x + across * (circle.radius_px + NUMBER_PX) < sheet.width_px:
             across = -across
-        at = ((x + across * 0.75 * circle.radius_px) / width_px, (y + up * 0.75 * circle.radius_px) / height_px)
-        beside, above = "left" if across > 0 else "right", "bottom" if up > 0 else "top"
-        figure.text(*at, str(circle.count), color=colour, fontsize=6.5, ha=beside, va=above)
+        sheet.write(
+            x + across * 0.75 * circle.radius_px,
+            y + up * 0.75 * circle.radius_px,
+            str(circle.count),
+            across="left" if across > 0 else "right",
+            up="bottom" if up > 0 else "top",
+            letters=NUMBER,
+            colour=colour,
+        )
 
 
-def _handle(mark: Mark) -> Line2D:
+def _entry(mark: Mark) -> Entry:
     more = f" ({len(mark.points)} shown)" if len(mark.points) < mark.count else ""
-    label = f"{mark.label} × {mark.count}{more}"
-    return Line2D([], [], linestyle="none", marker="o", markerfacecolor="none", markeredgecolor=mark.colour, label=label)
+    return Entry(f"{mark.label} × {mark.count}{more}", mark.colour, "ring")

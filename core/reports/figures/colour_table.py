@@ -31,7 +31,7 @@ def colour_table(picture: Bytes) -> tuple[Bytes, Bytes] | None:
     table, nearest = _spread(colours.astype(np.int16), np.argsort(-count, kind="stable")[:FREQUENT])
     if np.abs(colours[table][nearest].astype(np.int16) - colours).max() > LARGEST_SHIFT:
         return None
-    return colours[table], nearest[number]
+    return colours[table], _numbers_in_table(number, nearest)
 
 
 @njit(cache=True, nogil=True)
@@ -67,7 +67,7 @@ def _count_colours(picture: Bytes, number: NDArray[np.uint16], colours: Bytes, c
     number (H, W), colours (MOST_DIFFERENT, 3), count (MOST_DIFFERENT,): out, count must come as zeros."""
     slots = np.full(_SLOTS, _EMPTY, np.int64)
     different = 0
-    last, last_key = np.int64(0), np.int64(_EMPTY)
+    last, last_key, alike = np.int64(0), np.int64(_EMPTY), np.int64(0)
     for row in range(picture.shape[0]):
         for column in range(picture.shape[1]):
             red, green, blue = picture[row, column, 0], picture[row, column, 1], picture[row, column, 2]
@@ -85,7 +85,19 @@ def _count_colours(picture: Bytes, number: NDArray[np.uint16], colours: Bytes, c
                     slots[slot] = different
                     colours[different, 0], colours[different, 1], colours[different, 2] = red, green, blue
                     different += 1
-                last, last_key = slots[slot], key
+                count[last] += alike  # once for a run of pixels: each addition would wait for the one before
+                last, last_key, alike = slots[slot], key, np.int64(0)
+            alike += np.int64(1)
             number[row, column] = last
-            count[last] += 1
+    count[last] += alike
     return different
+
+
+@njit(cache=True, nogil=True)
+def _numbers_in_table(number: NDArray[np.uint16], nearest: Bytes) -> Bytes:
+    """For each pixel (H, W) where in the table its colour stands."""
+    placed = np.empty(number.shape, np.uint8)
+    for row in range(number.shape[0]):
+        for column in range(number.shape[1]):
+            placed[row, column] = nearest[number[row, column]]
+    return placed

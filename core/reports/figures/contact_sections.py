@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.geometry.body_frame import BodyFrame
 from core.geometry.section import Plane, cut
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.plot import Plot
 from core.reports.figures.section_drawing import draw_axes, draw_contours, draw_scale_bar
@@ -40,21 +40,21 @@ def draw_contact_sections(before: Mesh, after: Mesh, frame: BodyFrame, contacts:
     shown = sorted(contacts, key=lambda contact: -contact.area_mm2)[:MOST_SHOWN]
     line_in = TITLE_IN + PANEL_IN + TICKS_IN
     total_in = line_in * len(shown)
-    with sheet(SHEET_IN, total_in) as figure:
-        for number, contact in enumerate(shown):
-            plane = _plane(contact, frame)
-            middle = plane.flatten(np.array([contact.middle_mm]))[0]
-            half = max(BESIDE * float(np.sqrt(contact.area_mm2 / np.pi)), LEAST_BESIDE_MM)
-            bottom = (total_in - number * line_in - TITLE_IN - PANEL_IN) / total_in
-            for column, (title, mesh) in enumerate((("before", before), ("after", after))):
-                left = (LEFT_IN + column * (SHEET_IN / 2)) / SHEET_IN
-                box = (left, bottom, PANEL_IN / SHEET_IN, PANEL_IN / total_in)
-                plot = Plot(figure, box, middle - half, middle + half)
-                draw_contours(plot, {"skin": cut(mesh, plane)}, TISSUE_COLOURS, 1.0)
-                draw_axes(plot, plane)
-                draw_scale_bar(plot)
-                plot.title(f"{contact.region}, {title}")
-        png = to_png(figure)
+    sheet = Sheet(SHEET_IN, total_in)
+    for number, contact in enumerate(shown):
+        plane = _plane(contact, frame)
+        middle = plane.flatten(np.array([contact.middle_mm]))[0]
+        half = max(BESIDE * float(np.sqrt(contact.area_mm2 / np.pi)), LEAST_BESIDE_MM)
+        bottom = (total_in - number * line_in - TITLE_IN - PANEL_IN) / total_in
+        for column, (title, mesh) in enumerate((("before", before), ("after", after))):
+            left = (LEFT_IN + column * (SHEET_IN / 2)) / SHEET_IN
+            box = (left, bottom, PANEL_IN / SHEET_IN, PANEL_IN / total_in)
+            plot = Plot(sheet, box, middle - half, middle + half)
+            draw_contours(plot, {"skin": cut(mesh, plane)}, TISSUE_COLOURS, 1.0)
+            draw_axes(plot, plane)
+            draw_scale_bar(plot)
+            plot.title(f"{contact.region}, {title}")
+    png = sheet.png()
     left_out = f" {len(contacts) - len(shown)} smaller ones are not shown." if len(contacts) > len(shown) else ""
     return Figure("contacts", "Contacts before and after", f"Sections through the middles of the contacts.{left_out}", png)
 

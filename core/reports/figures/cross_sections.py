@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.section import Contour, cut
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import Level
 from core.reports.figures.plot import Plot
@@ -44,17 +43,17 @@ def draw_cross_sections(
     lines = _in_lines(panels)
     legend_in = legend_height_in(len(colours))
     total_in = legend_in + sum(TITLE_IN + max(panel.height_in() for panel in line) + TICKS_IN for line in lines)
-    with sheet(SHEET_IN, total_in) as figure:
-        top_in = total_in - legend_in
-        for line in lines:
-            bottom_in = top_in - TITLE_IN - max(panel.height_in() for panel in line)
-            left_in = 0.0
-            for panel in line:
-                _draw_panel(figure, panel, colours, left_in, bottom_in, total_in)
-                left_in += panel.width_in()
-            top_in = bottom_in - TICKS_IN
-        draw_legend(figure, colours)
-        png = to_png(figure)
+    sheet = Sheet(SHEET_IN, total_in)
+    top_in = total_in - legend_in
+    for line in lines:
+        bottom_in = top_in - TITLE_IN - max(panel.height_in() for panel in line)
+        left_in = 0.0
+        for panel in line:
+            _draw_panel(sheet, panel, colours, left_in, bottom_in, total_in)
+            left_in += panel.width_in()
+        top_in = bottom_in - TICKS_IN
+    draw_legend(sheet, colours)
+    png = sheet.png()
     shown = "; ".join(panel.level.title for panel in panels)
     zoomed = any(panel.zoom is not None for panel in panels)
     caption = f"Exact sections of all surfaces. {shown}."
@@ -101,12 +100,12 @@ def _in_lines(panels: Sequence[_Panel]) -> list[list[_Panel]]:
 
 
 def _draw_panel(
-    figure: Sheet, panel: _Panel, colours: Mapping[str, Colour], left_in: float, bottom_in: float, total_in: float
+    sheet: Sheet, panel: _Panel, colours: Mapping[str, Colour], left_in: float, bottom_in: float, total_in: float
 ) -> None:
     level, height_in, width_in = panel.level, panel.height_in(), panel.height_in() * panel.aspect()
     bottom, height = bottom_in / total_in, height_in / total_in
     box = (left_in + LEFT_IN) / SHEET_IN, bottom, width_in / SHEET_IN, height
-    whole = Plot(figure, box, level.low, level.high)
+    whole = Plot(sheet, box, level.low, level.high)
     draw_contours(whole, panel.contours, colours, 0.7)
     draw_axes(whole, level.plane, absolute=level.absolute)
     if not level.absolute:
@@ -116,7 +115,7 @@ def _draw_panel(
     if panel.zoom is not None:
         mark_window(whole, *panel.zoom)
         zoom_left_in = left_in + LEFT_IN + width_in + LEFT_IN
-        zoom = Plot(figure, (zoom_left_in / SHEET_IN, bottom, height_in / SHEET_IN, height), *panel.zoom)
+        zoom = Plot(sheet, (zoom_left_in / SHEET_IN, bottom, height_in / SHEET_IN, height), *panel.zoom)
         draw_contours(zoom, panel.contours, colours, 1.3)
         draw_axes(zoom, level.plane, absolute=level.absolute, whole=True)
         draw_scale_bar(zoom)

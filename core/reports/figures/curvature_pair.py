@@ -13,9 +13,10 @@ from core.geometry.adjacency import edges
 from core.geometry.body_frame import BodyFrame
 from core.geometry.dihedral import dihedral_angles
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
+from core.reports.figures.lettering import Letters
 from core.reports.figures.standard_views import VIEW_DPI, Panel, arrange_beside, place_picture
 from core.reports.figures.view import Scratch, Surface, look
 from core.reports.wording import whole
@@ -23,6 +24,7 @@ from core.reports.wording import whole
 Floats = NDArray[np.float64]
 COLOUR_MAP = "viridis"
 WIDTH_IN, HEIGHT_IN, BAR_IN, HEAD_IN = 8.4, 5.4, 0.66, 0.26
+BOLD = Letters(weight="bold")
 TOP_PERCENTILE = 98.0  # of the faces after: a single spike must not turn all others dark
 SMALLEST_TOP_DEG = 5.0
 
@@ -46,19 +48,20 @@ def draw_curvature_pair(name: str, before: Mesh, after: Mesh, frame: BodyFrame) 
     total_in = HEIGHT_IN + BAR_IN + HEAD_IN
     panels = arrange_beside(before, frame, half_px, round(HEIGHT_IN * VIEW_DPI))
     scratch = Scratch()
-    with sheet(WIDTH_IN, total_in, VIEW_DPI) as figure:
-        for side, (title, mesh, curvature) in enumerate(zip(("before", "after"), (before, after), curvatures, strict=True)):
-            colours = np.ascontiguousarray(colour_map(scale(curvature), bytes=True)[:, :3])
-            surface = Surface.of(mesh)
-            for panel in panels:
-                shifted = _shifted(panel, side * half_px)
-                place_picture(figure, shifted, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
-            words = f"{title}: {whole(len(mesh.faces))} faces"
-            figure.text(0.25 + 0.5 * side, 1.0 - 0.5 * HEAD_IN / total_in, words, ha="center", va="center", fontweight="bold")
-        box = (0.2, 0.42 / total_in, 0.6, 0.13 / total_in)
-        words = "mean angle between the normals of a face and its neighbours [°]"
-        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, words, more=True)
-        png = to_png(figure)
+    sheet = Sheet(WIDTH_IN, total_in, VIEW_DPI)
+    for side, (title, mesh, curvature) in enumerate(zip(("before", "after"), (before, after), curvatures, strict=True)):
+        colours = np.ascontiguousarray(colour_map(scale(curvature), bytes=True)[:, :3])
+        surface = Surface.of(mesh)
+        for panel in panels:
+            shifted = _shifted(panel, side * half_px)
+            place_picture(sheet, shifted, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
+        words = f"{title}: {whole(len(mesh.faces))} faces"
+        middle = (0.25 + 0.5 * side) * sheet.width_px, (1.0 - 0.5 * HEAD_IN / total_in) * sheet.height_px
+        sheet.write(*middle, words, across="center", up="center", letters=BOLD)
+    box = (0.2, 0.42 / total_in, 0.6, 0.13 / total_in)
+    words = "mean angle between the normals of a face and its neighbours [°]"
+    draw_colour_bar(sheet, box, COLOUR_MAP, 0.0, top, words, more=True)
+    png = sheet.png()
     means = (float(curvature.mean()) for curvature in curvatures)
     caption = (
         f"{name} before and after, every face in the colour of its curvature: the mean angle between its normal and those of its "

@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 
 from core.geometry.body_frame import BodyFrame
 from core.geometry.deviation import Deviation
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
 from core.reports.figures.standard_views import VIEW_DPI, arrange_views, place_picture
@@ -32,13 +32,13 @@ def draw_deviation_map(name: str, deviation: Deviation, frame: BodyFrame) -> Fig
     shades = PALEST + (1.0 - PALEST) * np.clip(scale(per_face), 0.0, 1.0)
     colours = np.ascontiguousarray(colour_map(shades, bytes=True)[:, :3])
     surface, scratch = Surface.of(way.surface), Scratch()
-    with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
-        for panel in arrange_views(way.surface, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
-            place_picture(figure, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
-        box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
-        words = f"distance of {name} to the original [mm]"
-        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, words, more=True)
-        png = to_png(figure)
+    sheet = Sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI)
+    for panel in arrange_views(way.surface, frame, round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
+        place_picture(sheet, panel, look(surface, panel.view, scratch).paint(colours), round(BAR_IN * VIEW_DPI))
+    box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
+    words = f"distance of {name} to the original [mm]"
+    draw_colour_bar(sheet, box, COLOUR_MAP, 0.0, top, words, more=True)
+    png = sheet.png()
     x, y, z = deviation.farthest()
     caption = (
         f"Distance of {name} to the surface it was made from. Largest, both ways: {deviation.maximum_mm:.3g} mm at "

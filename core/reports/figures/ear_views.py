@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
-from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from core.geometry.body_frame import BodyFrame
 from core.geometry.section import Plane
 from core.mesh import Mesh
-from core.reports.figures.canvas import INK, place_pixels, sheet, to_png
+from core.reports.figures.canvas import INK, Sheet, box_path
 from core.reports.figures.cross_sections import draw_cross_sections
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import Level
@@ -64,17 +62,17 @@ def _draw_views(skin: Mesh, colour: Colour, frame: BodyFrame, ears: Sequence[Ear
     surface = Surface.of(skin)
     lines, columns = -(-len(ears) // PER_LINE), min(len(ears), PER_LINE)
     height_in = lines * (PANEL_IN + TITLE_IN)
-    with sheet(columns * PANEL_IN, height_in, VIEW_DPI) as figure:
-        for number, ear in enumerate(ears):
-            left_in, bottom_in = PANEL_IN * (number % PER_LINE), height_in - (number // PER_LINE + 1) * (PANEL_IN + TITLE_IN)
-            _draw_panel(figure, surface, paint, frame, ear, (left_in, bottom_in))
-        png = to_png(figure)
+    sheet = Sheet(columns * PANEL_IN, height_in, VIEW_DPI)
+    for number, ear in enumerate(ears):
+        left_in, bottom_in = PANEL_IN * (number % PER_LINE), height_in - (number // PER_LINE + 1) * (PANEL_IN + TITLE_IN)
+        _draw_panel(sheet, surface, paint, frame, ear, (left_in, bottom_in))
+    png = sheet.png()
     caption = "The boxes in which the ears' own depths hold (frames) and the skin inside them."
     return Figure("ears", "Ears", caption + (" Blue: walls of the canals." if wall.any() else ""), png)
 
 
 def _draw_panel(
-    figure: Sheet,
+    sheet: Sheet,
     surface: Surface,
     paint: NDArray[np.uint8],
     frame: BodyFrame,
@@ -91,20 +89,12 @@ def _draw_panel(
     pixels = round(PANEL_IN * VIEW_DPI)
     view = View.of(right, up, middle - half, middle + half, pixels)
     left_px, bottom_px = (round(inches * VIEW_DPI) for inches in corner_in)
-    place_pixels(figure, look(surface, view).paint(paint), left_px, bottom_px)
-    origin = (low - view.low) * view.pixels_per_mm + (left_px, bottom_px)
-    width, height = (high - low) * view.pixels_per_mm
-    frame_of_box = Rectangle(
-        (float(origin[0]), float(origin[1])), float(width), float(height), transform=None, facecolor="none", edgecolor=INK,
-        linewidth=1.0,
-    )  # fmt: skip
-    figure.add_artist(frame_of_box)
-    width_in, height_in = figure.get_size_inches()
+    sheet.place(look(surface, view).paint(paint), left_px, bottom_px)
+    corners = (np.array([low, high]) - view.low) * view.pixels_per_mm + (left_px, bottom_px)
+    sheet.stroke(box_path(*corners.ravel()), INK, 1.0)
     words = f"{ear.name}, {high[0] - low[0]:.0f} × {high[1] - low[1]:.0f} mm"
-    figure.text(
-        (corner_in[0] + 0.5 * PANEL_IN) / width_in, (corner_in[1] + PANEL_IN + 0.5 * TITLE_IN) / height_in, words,
-        ha="center", va="center",
-    )  # fmt: skip
+    middle_px = (corner_in[0] + 0.5 * PANEL_IN) * VIEW_DPI, (corner_in[1] + PANEL_IN + 0.5 * TITLE_IN) * VIEW_DPI
+    sheet.write(*middle_px, words, across="center", up="center")
 
 
 def _level(ear: EarRegionView, frame: BodyFrame) -> Level:

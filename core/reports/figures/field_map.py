@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import matplotlib
 import numpy as np
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
+from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from core.coil import Coil
 from core.geometry.body_frame import BodyFrame, find_body_frame
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.figure import Figure
 from core.reports.figures.levels import axis_name
@@ -40,17 +38,17 @@ def draw_field_map(name: str, surface: Mesh, magnitude: Floats, coil: Coil | Non
     paint = np.where(np.isnan(magnitude)[:, None], NO_VALUE, colours).astype(np.uint8)
     seen, scratch = Surface.of(surface), Scratch()
     below_px = round(BAR_IN * VIEW_DPI)
-    with sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI) as figure:
-        shown = about.vertices if coil is None else np.concatenate([about.vertices, coil.places()])
-        for panel in _five_sides(shown, find_body_frame(about), round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
-            raster = look(seen, panel.view, scratch)
-            place_picture(figure, panel, raster.paint(np.ascontiguousarray(paint)), below_px)
-            if coil is not None:
-                _draw_coil(figure, panel, raster, coil, below_px)
-        box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
-        more = len(known) > 0 and float(known.max()) > top
-        draw_colour_bar(figure, box, COLOUR_MAP, 0.0, top, f"magnitude of the field on {name} [V/m]", more=more)
-        png = to_png(figure)
+    sheet = Sheet(WIDTH_IN, HEIGHT_IN + BAR_IN, VIEW_DPI)
+    shown = about.vertices if coil is None else np.concatenate([about.vertices, coil.places()])
+    for panel in _five_sides(shown, find_body_frame(about), round(WIDTH_IN * VIEW_DPI), round(HEIGHT_IN * VIEW_DPI)):
+        raster = look(seen, panel.view, scratch)
+        place_picture(sheet, panel, raster.paint(np.ascontiguousarray(paint)), below_px)
+        if coil is not None:
+            _draw_coil(sheet, panel, raster, coil, below_px)
+    box = (0.2, 0.42 / (HEIGHT_IN + BAR_IN), 0.6, 0.13 / (HEIGHT_IN + BAR_IN))
+    more = len(known) > 0 and float(known.max()) > top
+    draw_colour_bar(sheet, box, COLOUR_MAP, 0.0, top, f"magnitude of the field on {name} [V/m]", more=more)
+    png = sheet.png()
     return Figure(f"field_{name}", f"Field on {name}", _caption(name, magnitude, known, coil), png)
 
 
@@ -78,7 +76,7 @@ def _five_sides(shown: Floats, frame: BodyFrame, width: int, height: int) -> tup
     return tuple(panels)
 
 
-def _draw_coil(figure: Sheet, panel: Panel, raster: Raster, coil: Coil, below_px: int) -> None:
+def _draw_coil(sheet: Sheet, panel: Panel, raster: Raster, coil: Coil, below_px: int) -> None:
     """A dot for each dipole or piece of wire with a stroke along it, paler behind the surface."""
     step = max(1, -(-len(coil.places()) // MOST_DOTS))
     places = coil.places()[::step]
@@ -86,10 +84,10 @@ def _draw_coil(figure: Sheet, panel: Panel, raster: Raster, coil: Coil, below_px
     visible = raster.sees(places, SLACK_MM)
     for shown, colour in ((~visible, COIL_BEHIND), (visible, COIL)):
         starts, ends = (_pixels(panel, points[shown], below_px) for points in (places, places + along))
-        figure.add_artist(
-            LineCollection(list(np.stack([starts, ends], axis=1)), colors=colour, linewidths=STROKE_PT, transform=None)
-        )
-        figure.add_artist(Line2D(*starts.T, marker="o", markersize=DOT_PT, linestyle="", color=colour, transform=None))
+        if shown.any():
+            strokes = Path(np.stack([starts, ends], axis=1).reshape(-1, 2), [Path.MOVETO, Path.LINETO] * len(starts))
+            sheet.stroke(strokes, colour, STROKE_PT)
+            sheet.dots(starts, DOT_PT, colour)
 
 
 def _strokes(moments: Floats) -> Floats:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.normals import face_normals
 from core.geometry.section import Plane, cut
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.plot import Box, Plot
 from core.reports.figures.section_drawing import (
@@ -43,23 +42,23 @@ def draw_gap_places(pairs: Sequence[PairReport], meshes: Mapping[str, Mesh], col
     panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
     width_in = WIDTH_IN if len(colours) > FEW_NAMES else max(NARROWEST_IN, LEFT_IN + len(shown) * (panel_in + GUTTER_IN))
     total_in = legend_height_in(len(colours)) + TITLE_IN + panel_in + TICKS_IN
-    with sheet(width_in, total_in) as figure:
-        for number, pair in enumerate(shown):
-            left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
-            box = (left_in / width_in, TICKS_IN / total_in, panel_in / width_in, panel_in / total_in)
-            _draw_place(figure, box, pair, meshes, colours)
-        draw_legend(figure, colours)
-        png = to_png(figure)
+    sheet = Sheet(width_in, total_in)
+    for number, pair in enumerate(shown):
+        left_in = LEFT_IN + number * (panel_in + GUTTER_IN)
+        box = (left_in / width_in, TICKS_IN / total_in, panel_in / width_in, panel_in / total_in)
+        _draw_place(sheet, box, pair, meshes, colours)
+    draw_legend(sheet, colours)
+    png = sheet.png()
     places = "; ".join(f"{pair.a} and {pair.b}: {_gap_words(pair)}, at {_point_words(pair)} mm" for pair in shown)
     return Figure("gap_places", "Narrowest gaps", f"Sections through the narrowest places: {places}.", png)
 
 
-def _draw_place(figure: Sheet, box: Box, pair: PairReport, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
+def _draw_place(sheet: Sheet, box: Box, pair: PairReport, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> None:
     point = np.array(pair.min_gap_point_mm, dtype=np.float64)
     across = _nearest_normal(meshes[pair.a], point)
     plane = Plane.of(point, np.roll(np.eye(3), 1, axis=0)[int(np.argmax(np.abs(across)))], across)
     half = 0.5 * float(np.clip(WINDOW_GAPS * (pair.min_gap_mm or 0.0), SMALLEST_WINDOW_MM, LARGEST_WINDOW_MM))
-    plot = Plot(figure, box, (-half, -half), (half, half))
+    plot = Plot(sheet, box, (-half, -half), (half, half))
     draw_contours(plot, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
     draw_axes(plot, plane, absolute=False, whole=True)
     draw_scale_bar(plot)

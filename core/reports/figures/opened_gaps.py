@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.section import Plane, cut
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.plot import Box, Plot
 from core.reports.figures.section_drawing import (
@@ -63,25 +62,25 @@ def draw_opened_gaps(before: Mapping[str, Mesh], after: Mapping[str, Mesh], colo
     panel_in = (WIDTH_IN - LEFT_IN) / MOST_PLACES - GUTTER_IN
     row_in = TITLE_IN + panel_in + TICKS_IN
     total_in = legend_height_in(len(colours)) + 2 * row_in
-    with sheet(WIDTH_IN, total_in) as figure:
-        for column, place in enumerate(places):
-            left_in = LEFT_IN + column * (panel_in + GUTTER_IN)
-            for row, meshes in enumerate((after, before)):
-                bottom_in = TICKS_IN + row * row_in
-                box = (left_in / WIDTH_IN, bottom_in / total_in, panel_in / WIDTH_IN, panel_in / total_in)
-                plot = _draw(figure, box, place, meshes, colours)
-                plot.title(f"{shortened(place.name, 14)}\n{'before' if row else f'after: {place.shift_mm:.3g} mm'}")
-        draw_legend(figure, colours)
-        png = to_png(figure)
+    sheet = Sheet(WIDTH_IN, total_in)
+    for column, place in enumerate(places):
+        left_in = LEFT_IN + column * (panel_in + GUTTER_IN)
+        for row, meshes in enumerate((after, before)):
+            bottom_in = TICKS_IN + row * row_in
+            box = (left_in / WIDTH_IN, bottom_in / total_in, panel_in / WIDTH_IN, panel_in / total_in)
+            plot = _draw(sheet, box, place, meshes, colours)
+            plot.title(f"{shortened(place.name, 14)}\n{'before' if row else f'after: {place.shift_mm:.3g} mm'}")
+    draw_legend(sheet, colours)
+    png = sheet.png()
     words = "; ".join(f"{place.name} by {place.shift_mm:.3g} mm at {_point_words(place)} mm" for place in places)
     return Figure(
         "opened_gaps", "Where tissues were parted", f"Sections along the farthest moves, before and after: {words}.", png
     )
 
 
-def _draw(figure: Sheet, box: Box, place: _Place, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Plot:
+def _draw(sheet: Sheet, box: Box, place: _Place, meshes: Mapping[str, Mesh], colours: Mapping[str, Colour]) -> Plot:
     plane, half = place.plane(), 0.5 * place.window_mm
-    plot = Plot(figure, box, (-half, -half), (half, half))
+    plot = Plot(sheet, box, (-half, -half), (half, half))
     draw_contours(plot, {name: cut(mesh, plane) for name, mesh in meshes.items()}, colours, 1.3)
     draw_axes(plot, plane, absolute=False, whole=True)
     draw_scale_bar(plot)

@@ -1,30 +1,26 @@
-"""Two axes on a sheet, drawn straight onto it: making matplotlib's own takes longer than drawing all that is on them."""
+"""Two axes on a sheet, with what is drawn between them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure as Sheet
-from matplotlib.patches import Circle, PathPatch, Rectangle
 from matplotlib.path import Path
-from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import Affine2D, Bbox, IdentityTransform
+from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from core.reports.figures.canvas import FAINT, INK
+from core.reports.figures.canvas import AREAS, BEHIND, FAINT, Sheet, box_path
+from core.reports.figures.lettering import Letters
+from core.reports.figures.paragraph import Across, Up
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
-POINTS_PER_INCH = 72.0
 TICK_PT, GAP_PT, RIM_PT, GRID_PT = 3.5, 3.5, 0.6, 0.3
-LABEL_PT, TITLE_PT = 8.0, 9.0
+LABELS, TITLE = Letters(8.0), Letters(9.0, "bold")
 LABEL_GAP_PT = 4.0
 GRID_INK = 0.5  # opacity
-BEHIND, RIM, IN_FRONT = -10, 250, 300  # what is drawn first and last
+RIM, IN_FRONT = 250.0, 300.0  # what is drawn last
 
 
 class Plot:
@@ -34,21 +30,21 @@ class Plot:
     window in the units of the data. log_y: the vertical axis is logarithmic, low[1] > 0.
     """
 
-    def __init__(self, figure: Sheet, box: Box, low: ArrayLike, high: ArrayLike, *, log_y: bool = False) -> None:
-        self.figure = figure
-        width, height = figure.bbox.width, figure.bbox.height
+    def __init__(self, sheet: Sheet, box: Box, low: ArrayLike, high: ArrayLike, *, log_y: bool = False) -> None:
+        self.sheet = sheet
+        width, height = sheet.width_px, sheet.height_px
         self.box = Bbox.from_bounds(box[0] * width, box[1] * height, box[2] * width, box[3] * height)
         self.low, self.high = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
         self._log_y = log_y
         lowest, highest = self._straight(np.array([self.low, self.high]))
         scale = np.array([self.box.width, self.box.height]) / (highest - lowest)
         self.to_pixels = Affine2D().translate(*-lowest).scale(*scale).translate(self.box.x0, self.box.y0)
-        self._pixels_per_point = figure.dpi / POINTS_PER_INCH
+        self._pixels_per_point = sheet.pixels_per_point
 
-    def line(self, x: ArrayLike, y: ArrayLike, colour: str, width_pt: float, *, style: str = "-") -> None:
+    def line(self, x: ArrayLike, y: ArrayLike, colour: str, width_pt: float, *, dashed: bool = False) -> None:
         """Points joined by straight lines."""
         path = Path(self._straight(np.column_stack([x, y])))
-        self._add(PathPatch(path, facecolor="none", edgecolor=colour, linewidth=width_pt, linestyle=style, zorder=2))
+        self.sheet.stroke(path, colour, width_pt, unit=self.to_pixels, window=self.box, dashed=dashed)
 
     def steps(self, edges: Floats, heights: Floats, colour: str, width_pt: float) -> None:
         """A histogram's outline: heights (N,) between edges (N + 1,)."""
@@ -58,14 +54,13 @@ class Plot:
         """Bars from the lower end of the window to heights (N,), between edges (N + 1,)."""
         for left, right, height in zip(edges[:-1], edges[1:], heights, strict=True):
             if height > self.low[1]:
-                self.band(left, right, colour, top=float(height), zorder=1)
+                self.band(left, right, colour, top=float(height), level=AREAS)
 
-    def band(self, left: float, right: float, colour: str, *, top: float | None = None, zorder: float = 0) -> None:
+    def band(self, left: float, right: float, colour: str, *, top: float | None = None, level: float = 0.0) -> None:
         """A filled box over a stretch of the horizontal axis, as high as the window if no top is given."""
         end = self.high[1] if top is None else top
         corners = self._straight(np.array([[left, self.low[1]], [right, end]]))
-        size = corners[1] - corners[0]
-        self._add(Rectangle(tuple(corners[0]), *size, facecolor=colour, edgecolor="none", linewidth=0, zorder=zorder))
+        self.fill(box_path(*corners.ravel()), colour, level)
 
     def upright(self, x: float, colour: str, width_pt: float) -> None:
         """A line across the whole height."""
@@ -73,71 +68,70 @@ class Plot:
 
     def dot(self, x: float, y: float, colour: str, size_pt: float) -> None:
         """A filled circle, round whatever the scales."""
-        centre = self.at(x, y)
-        radius = 0.5 * size_pt * self._pixels_per_point
-        self.figure.add_artist(Circle(centre, radius, transform=IdentityTransform(), color=colour, linewidth=0, zorder=IN_FRONT))
+        self.sheet.dots(self.at(x, y), size_pt, colour, level=IN_FRONT)
 
-    def fill(self, path: Path, colour: str, zorder: float) -> None:
+    def fill(self, path: Path, colour: str, level: float) -> None:
         """The inside of a path in the units of the data."""
-        self._add(PathPatch(path, facecolor=colour, edgecolor="none", zorder=zorder))
+        self.sheet.fill(path, colour, level=level, unit=self.to_pixels, window=self.box)
 
-    def outline(self, path: Path, colour: str, width_pt: float, zorder: float) -> None:
+    def outline(self, path: Path, colour: str, width_pt: float, level: float) -> None:
         """A path in the units of the data as a line."""
-        style = {"facecolor": "none", "edgecolor": colour, "linewidth": width_pt, "joinstyle": "round"}
-        self._add(PathPatch(path, zorder=zorder, **style))
+        self.sheet.stroke(path, colour, width_pt, level=level, unit=self.to_pixels, window=self.box, join="round")
 
     def rim(self, *, whole: bool = False, colour: str = FAINT, width_pt: float = RIM_PT) -> None:
         """The axes as lines: left and below, or all around."""
         box = self.box
         corners = [(box.x0, box.y1), (box.x0, box.y0), (box.x1, box.y0)]
         path = [*corners, (box.x1, box.y1), corners[0], corners[1]] if whole else corners
-        self._add_pixels([path], colour, width_pt, RIM)
+        self.sheet.stroke(Path(path), colour, width_pt, level=RIM)
 
     def ticks_x(self, values: Sequence[float], word: Callable[[float], str] | None) -> None:
         """Ticks below the axis with a word each; None leaves the words out."""
         inside = [value for value in values if self.low[0] <= value <= self.high[0]]
         end = self.box.y0 - TICK_PT * self._pixels_per_point
         across = [self.at(value, self.low[1])[0] for value in inside]
-        self._add_pixels([[(x, self.box.y0), (x, end)] for x in across], FAINT, RIM_PT, RIM)
+        self._strokes([((x, self.box.y0), (x, end)) for x in across], RIM_PT, RIM)
         for value, x in zip(inside, across, strict=True):
             if word is not None:
-                self._write(x, end - GAP_PT * self._pixels_per_point, word(value), ha="center", va="top", fontsize=LABEL_PT)
+                below = end - GAP_PT * self._pixels_per_point
+                self.sheet.write(x, below, word(value), across="center", up="top", letters=LABELS)
 
     def ticks_y(self, values: Sequence[float], word: Callable[[float], str], *, grid: bool = False) -> None:
         """Ticks left of the axis with a word each, and pale lines across the plot."""
         inside = [value for value in values if self.low[1] <= value <= self.high[1]]
         end = self.box.x0 - TICK_PT * self._pixels_per_point
         up = [self.at(self.low[0], value)[1] for value in inside]
-        self._add_pixels([[(self.box.x0, y), (end, y)] for y in up], FAINT, RIM_PT, RIM)
+        self._strokes([((self.box.x0, y), (end, y)) for y in up], RIM_PT, RIM)
         if grid:
-            lines = [[(self.box.x0, y), (self.box.x1, y)] for y in up]
-            self._add_pixels(lines, FAINT, GRID_PT, BEHIND, alpha=GRID_INK)
+            self._strokes([((self.box.x0, y), (self.box.x1, y)) for y in up], GRID_PT, BEHIND, GRID_INK)
         for value, y in zip(inside, up, strict=True):
-            self._write(
-                end - GAP_PT * self._pixels_per_point, y, word(value), ha="right", va="center_baseline", fontsize=LABEL_PT
-            )
+            beside = end - GAP_PT * self._pixels_per_point
+            self.sheet.write(beside, y, word(value), across="right", up="waist", letters=LABELS)
 
     def label_x(self, words: str) -> None:
         """What the horizontal axis means, below the words of its ticks."""
-        below = TICK_PT + GAP_PT + LABEL_PT * 1.2 + LABEL_GAP_PT
+        below = TICK_PT + GAP_PT + LABELS.size_pt * 1.2 + LABEL_GAP_PT
         middle = 0.5 * (self.box.x0 + self.box.x1)
-        self._write(middle, self.box.y0 - below * self._pixels_per_point, words, ha="center", va="top", fontsize=LABEL_PT)
+        self.sheet.write(middle, self.box.y0 - below * self._pixels_per_point, words, across="center", up="top", letters=LABELS)
 
     def label_y(self, words: str, room_pt: float) -> None:
         """What the vertical axis means, turned, `room_pt` left of the axis, beyond the words of its ticks."""
         place = self.box.x0 - room_pt * self._pixels_per_point, 0.5 * (self.box.y0 + self.box.y1)
-        self._write(*place, words, ha="right", va="center", rotation=90, fontsize=LABEL_PT)
+        self.sheet.write(*place, words, across="right", up="center", letters=LABELS, upwards=True)
 
     def title(self, words: str, pad_pt: float = 5.0) -> None:
         """Bold, above the upper left corner."""
         above = self.box.y1 + pad_pt * self._pixels_per_point
-        self._write(self.box.x0, above, words, ha="left", va="baseline", fontsize=TITLE_PT, fontweight="bold")
+        self.sheet.write(self.box.x0, above, words, letters=TITLE)
 
-    def words(self, x: float, y: float, text: str, shift_pt: tuple[float, float], **style: Any) -> None:
-        """Text at a place of the data, moved by points; style as matplotlib's."""
-        across, up = self.at(x, y)
-        shift = np.array(shift_pt) * self._pixels_per_point
-        self._write(across + float(shift[0]), up + float(shift[1]), text, zorder=IN_FRONT, **style)
+    def words(
+        self, x: float, y: float, text: str, *, above_pt: float = 0.0, across: Across, up: Up, letters: Letters = LABELS,
+        ground: bool = False,
+    ) -> None:  # fmt: skip
+        """Text at a place of the data, or so many points above it."""
+        column, row = self.at(x, y)
+        row += above_pt * self._pixels_per_point
+        self.sheet.write(column, row, text, across=across, up=up, letters=letters, level=IN_FRONT, ground=ground)
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Pixels of the sheet, from its lower left corner."""
@@ -151,19 +145,18 @@ class Plot:
         straight: Floats = np.column_stack([points[:, 0], np.log10(points[:, 1])])
         return straight
 
-    def _add(self, artist: PathPatch | Rectangle) -> None:
-        artist.set_transform(self.to_pixels)
-        artist.set_clip_box(self.box)
-        self.figure.add_artist(artist)
-
-    def _add_pixels(
-        self, lines: Sequence[Sequence[tuple[float, float]]], colour: str, width_pt: float, zorder: float, alpha: float = 1.0
+    def _strokes(
+        self,
+        lines: Sequence[tuple[tuple[float, float], tuple[float, float]]],
+        width_pt: float,
+        level: float,
+        opacity: float = 1.0,
     ) -> None:
-        style: dict[str, Any] = {"colors": colour, "linewidths": width_pt, "alpha": alpha, "zorder": zorder, "capstyle": "butt"}
-        self.figure.add_artist(LineCollection(lines, transform=IdentityTransform(), **style))
-
-    def _write(self, x: float, y: float, words: str, **style: Any) -> None:
-        self.figure.add_artist(Text(x, y, words, transform=IdentityTransform(), **{"color": INK, **style}))
+        """Ticks and lines of a grid, in pixels."""
+        if lines:
+            codes = [Path.MOVETO, Path.LINETO] * len(lines)
+            path = Path(np.array(lines).reshape(-1, 2), codes)
+            self.sheet.stroke(path, FAINT, width_pt, level=level, opacity=opacity)
 
 
 def round_values(low: float, high: float, most: int, *, whole: bool = False) -> list[float]:

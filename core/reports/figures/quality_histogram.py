@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.geometry.quality import quality
 from core.mesh import Mesh
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.plot import Plot
 from core.reports.figures.section_drawing import draw_legend, legend_height_in
@@ -35,17 +35,17 @@ def draw_shares(values: Mapping[str, NDArray[np.float64]], colours: Mapping[str,
     """A PNG with a curve per name: shares of its values (N,), all within 0..1, in equal bins; axes called `share` and `value`."""
     edges = np.linspace(0.0, 1.0, BINS + 1)
     total_in = legend_height_in(len(values)) + PLOT_IN + TICKS_IN
-    with sheet(WIDTH_IN, total_in) as figure:
-        box = (0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in)
-        plot = Plot(figure, box, (0.0, SMALLEST_SHARE), (1.0, 1.0), log_y=True)
-        for (name, own), width_pt in zip(values.items(), _line_widths(len(values)), strict=True):
-            shares = np.histogram(own, bins=edges)[0] / len(own)
-            plot.steps(edges, np.maximum(shares, SMALLEST_SHARE), as_hex(colours[name]), width_pt)
-        dress_shares(plot, share)
-        plot.ticks_x(TENTHS, lambda part: f"{part:.1f}")
-        plot.label_x(value)
-        draw_legend(figure, {name: colours[name] for name in values})
-        return to_png(figure)
+    sheet = Sheet(WIDTH_IN, total_in)
+    box = (0.10, TICKS_IN / total_in, 0.88, PLOT_IN / total_in)
+    plot = Plot(sheet, box, (0.0, SMALLEST_SHARE), (1.0, 1.0), log_y=True)
+    for (name, own), width_pt in zip(values.items(), _line_widths(len(values)), strict=True):
+        shares = np.histogram(own, bins=edges)[0] / len(own)
+        plot.steps(edges, np.maximum(shares, SMALLEST_SHARE), as_hex(colours[name]), width_pt)
+    dress_shares(plot, share)
+    plot.ticks_x(TENTHS, lambda part: f"{part:.1f}")
+    plot.label_x(value)
+    draw_legend(sheet, {name: colours[name] for name in values})
+    return sheet.png()
 
 
 def _line_widths(count: int) -> NDArray[np.float64]:

@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from core.geometry.section import Contour, Plane
-from core.reports.figures.canvas import FAINT, INK, PAPER
+from core.reports.figures.canvas import FAINT, INK, Sheet
+from core.reports.figures.legend import Entry, draw_entries
 from core.reports.figures.levels import axis_of
 from core.reports.figures.plot import Plot, round_values
 from core.reports.palette import Colour, as_hex, lightened
@@ -21,7 +20,7 @@ Floats = NDArray[np.float64]
 PALE = 0.72
 TICKS = 6
 TICKS_PT, DIGIT_PT = 10.0, 5.2  # ticks and gaps, and the width of a digit
-LEGEND_COLUMNS = 4
+LEGEND_LEFT, LEGEND_COLUMNS = 0.05, 4
 
 
 def draw_contours(plot: Plot, contours: Mapping[str, Sequence[Contour]], colours: Mapping[str, Colour], line_pt: float) -> None:
@@ -63,14 +62,13 @@ def draw_scale_bar(plot: Plot) -> None:
     right, bottom = float(plot.high[0] - 0.04 * width), float(plot.low[1] + 0.05 * height)
     bar = Path([(right - length, bottom), (right, bottom)])
     plot.outline(bar, INK, 2.5, 300)
-    ground = {"facecolor": PAPER, "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
-    plot.words(right, bottom, f"{length:g} mm", (0, 3), ha="right", va="bottom", fontsize=8.0, bbox=ground)
+    plot.words(right, bottom, f"{length:g} mm", above_pt=3.0, across="right", up="bottom", ground=True)
 
 
-def draw_legend(figure: Sheet, colours: Mapping[str, Colour]) -> None:
+def draw_legend(sheet: Sheet, colours: Mapping[str, Colour]) -> None:
     """The meshes by colour along the upper edge of the sheet, `legend_height_in` high."""
-    handles = [Line2D([], [], color=as_hex(colour), linewidth=2, label=shortened(name)) for name, colour in colours.items()]
-    figure.legend(handles=handles, loc="upper left", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.05, 1.0), borderaxespad=0.4)
+    entries = [Entry(shortened(name), as_hex(colour)) for name, colour in colours.items()]
+    draw_entries(sheet, entries, LEGEND_LEFT * sheet.width_px, sheet.height_px, LEGEND_COLUMNS)
 
 
 def legend_height_in(count: int) -> float:

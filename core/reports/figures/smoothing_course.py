@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from core.reports.figures.canvas import sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.figure import Figure
 from core.reports.figures.plot import Plot, round_values
 from core.reports.figures.section_drawing import draw_legend, legend_height_in
@@ -48,31 +48,31 @@ def draw_smoothing_course(
     """
     total_in = legend_height_in(len(courses)) + PLOT_IN + TICKS_IN
     bottom, height = TICKS_IN / total_in, PLOT_IN / total_in
-    with sheet(WIDTH_IN, total_in) as figure:
-        last = max(1, *(len(states) - 1 for states in courses.values()))
-        lowest_of_all = min(max(state.lowest_quality, LOWEST_SHOWN) for states in courses.values() for state in states)
-        drifts = {name: drift for name, states in courses.items() if (drift := _volume_drift(states)) is not None}
-        floor, ceiling = _drift_window(drifts)
-        decade = float(10.0 ** np.floor(np.log10(lowest_of_all) - 1e-9))
-        box = (0.08, bottom, 0.48 - GUTTER / 2, height)
-        quality = Plot(figure, box, (-EDGE * last, decade), ((1 + EDGE) * last, 1.0), log_y=True)
-        box = (0.54 + GUTTER / 2, bottom, 0.44 - GUTTER / 2, height)
-        volume = Plot(figure, box, (-EDGE * last, floor), ((1 + EDGE) * last, ceiling))
-        quality.ticks_y([10.0**power for power in range(-6, 1)], lambda value: f"{value:g}", grid=True)
-        volume.ticks_y(round_values(floor, ceiling, 8), lambda value: f"{value:g}".replace("-", "−"), grid=True)
-        _dress(quality, last, "quality q: lowest (solid), mean (dashed)")
-        _dress(volume, last, "change of the volume [%]")
-        for name, states in courses.items():
-            colour, at, count = as_hex(colours[name]), delivered[name], np.arange(len(states))
-            lowest = [max(state.lowest_quality, LOWEST_SHOWN) for state in states]
-            quality.line(count, lowest, colour, 1.4)
-            quality.line(count, [max(state.mean_quality, LOWEST_SHOWN) for state in states], colour, 1.0, style="--")
-            quality.dot(at, lowest[at], colour, 5)
-            if name in drifts:
-                volume.line(count, drifts[name], colour, 1.4)
-                volume.dot(at, drifts[name][at], colour, 5)
-        draw_legend(figure, {name: colours[name] for name in courses})
-        png = to_png(figure)
+    sheet = Sheet(WIDTH_IN, total_in)
+    last = max(1, *(len(states) - 1 for states in courses.values()))
+    lowest_of_all = min(max(state.lowest_quality, LOWEST_SHOWN) for states in courses.values() for state in states)
+    drifts = {name: drift for name, states in courses.items() if (drift := _volume_drift(states)) is not None}
+    floor, ceiling = _drift_window(drifts)
+    decade = float(10.0 ** np.floor(np.log10(lowest_of_all) - 1e-9))
+    box = (0.08, bottom, 0.48 - GUTTER / 2, height)
+    quality = Plot(sheet, box, (-EDGE * last, decade), ((1 + EDGE) * last, 1.0), log_y=True)
+    box = (0.54 + GUTTER / 2, bottom, 0.44 - GUTTER / 2, height)
+    volume = Plot(sheet, box, (-EDGE * last, floor), ((1 + EDGE) * last, ceiling))
+    quality.ticks_y([10.0**power for power in range(-6, 1)], lambda value: f"{value:g}", grid=True)
+    volume.ticks_y(round_values(floor, ceiling, 8), lambda value: f"{value:g}".replace("-", "−"), grid=True)
+    _dress(quality, last, "quality q: lowest (solid), mean (dashed)")
+    _dress(volume, last, "change of the volume [%]")
+    for name, states in courses.items():
+        colour, at, count = as_hex(colours[name]), delivered[name], np.arange(len(states))
+        lowest = [max(state.lowest_quality, LOWEST_SHOWN) for state in states]
+        quality.line(count, lowest, colour, 1.4)
+        quality.line(count, [max(state.mean_quality, LOWEST_SHOWN) for state in states], colour, 1.0, dashed=True)
+        quality.dot(at, lowest[at], colour, 5)
+        if name in drifts:
+            volume.line(count, drifts[name], colour, 1.4)
+            volume.dot(at, drifts[name][at], colour, 5)
+    draw_legend(sheet, {name: colours[name] for name in courses})
+    png = sheet.png()
     words = [
         f"{name} {states[0].lowest_quality:.2g} to {states[delivered[name]].lowest_quality:.2g} after {delivered[name]} of "
         f"{len(states) - 1} iterations made"

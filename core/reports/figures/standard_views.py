@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from core.geometry.body_frame import BodyFrame
 from core.mesh import Mesh
-from core.reports.figures.canvas import place_pixels
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.levels import HEAD_ABOVE, axis_name
 from core.reports.figures.view import View
 
@@ -67,13 +66,12 @@ def arrange_beside(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tup
     )
 
 
-def place_picture(figure: Sheet, panel: Panel, picture: NDArray[np.uint8], below_px: int) -> None:
+def place_picture(sheet: Sheet, panel: Panel, picture: NDArray[np.uint8], below_px: int) -> None:
     """Put a painted view on its place, pixel for pixel, `below_px` above the lower edge of the sheet, with its title."""
     left, bottom, _, _ = panel.place
-    place_pixels(figure, picture, left, bottom + below_px)
+    sheet.place(picture, left, bottom + below_px)
     across, up = panel.title_at()
-    width_px, height_px = figure.get_size_inches() * figure.dpi
-    figure.text(across / width_px, (up + below_px) / height_px, panel.title, ha="center", va="top")
+    sheet.write(across, up + below_px, panel.title, across="center", up="top")
 
 
 def _person(mesh: Mesh, frame: BodyFrame, width: int, height: int) -> tuple[Panel, ...]:

@@ -19,6 +19,7 @@ AMBIENT = 0.45
 OUTLINE_JUMP_MM = 8.0  # a step in depth that gets a line: an arm in front of the chest, an ear before the head
 OUTLINE_SHADE = 0.55
 WIDE_FACE = 16  # samples; of a wider face it pays to work out where each row begins and ends
+SPAN_RIM = 3  # samples at both ends of such a row may lie outside of the face
 MOST_SAMPLES_TRIED = 200_000_000  # a body tries some 10 million; thousands of sheets across the window get thinned
 
 
@@ -45,8 +46,8 @@ class View:
     @property
     def toward(self) -> Floats:
         """Unit vector towards the viewer."""
-        direction: Floats = np.cross(self.right, self.up)
-        return direction
+        (ax, ay, az), (bx, by, bz) = self.right.tolist(), self.up.tolist()
+        return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
     def flatten(self, points: Floats) -> Floats:
         """Coordinates (N, 2) mm along right and up."""
@@ -79,7 +80,7 @@ class Raster:
     """What a view sees of a surface, row 0 at the top, SAMPLES times as fine as the picture.
 
     projected: (V, 3) column, row and depth of the vertices. face: (H, W) int32, NO_FACE where nothing is.
-    depth: (H, W) float64 mm towards the viewer, -inf where nothing is.
+    depth: (H, W) float64 mm towards the viewer, of samples that have a face.
     """
 
     view: View
@@ -89,14 +90,14 @@ class Raster:
     depth: Floats
 
     def paint(self, face_colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Picture (H/SAMPLES, W/SAMPLES, 3) of faces in colours (F, 3), on white; lit from above the viewer's left
+        """Opaque picture (H/SAMPLES, W/SAMPLES, 4) of faces in colours (F, 3), on white; lit from above the viewer's left
         shoulder, both sides of a face alike, with a line where the depth jumps."""
         lamp = 0.9 * self.view.toward + 0.35 * self.view.up - 0.25 * self.view.right
         facing = np.abs(self.surface.normals @ (lamp / np.linalg.norm(lamp)))
         brightness = AMBIENT + (1.0 - AMBIENT) * facing
         light = _light_of_faces(self.projected, self.surface.mesh.faces, brightness)
         jump_mm = max(OUTLINE_JUMP_MM, 3.0 / self.view.pixels_per_mm)
-        picture = np.empty((self.face.shape[0] // SAMPLES, self.face.shape[1] // SAMPLES, 3), dtype=np.uint8)
+        picture = np.empty((self.face.shape[0] // SAMPLES, self.face.shape[1] // SAMPLES, 4), dtype=np.uint8)
         _paint(light, self.face, self.depth, jump_mm, face_colours, picture)
         return picture
 
@@ -105,8 +106,10 @@ class Raster:
         columns, rows = np.floor(self.view.to_samples(points)).astype(np.int64).T
         height, width = self.face.shape
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+        rows, columns = rows[inside], columns[inside]
+        before = (points[inside] @ self.view.toward) >= self.depth[rows, columns] - slack_mm
         visible = np.zeros(len(points), dtype=np.bool_)
-        visible[inside] = (points[inside] @ self.view.toward) >= self.depth[rows[inside], columns[inside]] - slack_mm
+        visible[inside] = before | (self.face[rows, columns] == NO_FACE)
         return visible
 
 
@@ -118,13 +121,12 @@ class Scratch:
         self._depth = np.empty(0, dtype=np.float64)
 
     def of(self, height: int, width: int) -> tuple[NDArray[np.int32], Floats]:
-        """Empty faces and depths, (height, width); what was given before is overwritten."""
+        """Samples without a face and room for their depths, (height, width); what was given before is overwritten."""
         count = height * width
         if len(self._face) < count:
             self._face, self._depth = np.empty(count, dtype=np.int32), np.empty(count)
         face, depth = self._face[:count].reshape(height, width), self._depth[:count].reshape(height, width)
-        face.fill(NO_FACE)
-        depth.fill(-np.inf)
+        face.fill(NO_FACE)  # depths of such samples are never read
         return face, depth
 
 
@@ -183,16 +185,19 @@ def _draw_faces(
         for row in range(top, bottom + 1):
             y = row + 0.5 - ay
             row_b, row_c = -cx * y / doubled, bx * y / doubled
-            first, last = left, right
+            row_depth, step_depth = az + row_b * bz + row_c * cz, step_b * bz + step_c * cz
+            first, last, rim = left, right, right - left + 1
             if right - left >= WIDE_FACE:
                 first, last = _span(left, right, row_b, step_b, row_c, step_c, ax)
+                rim = SPAN_RIM
             for column in range(first, last + 1):
                 x = column + 0.5 - ax
-                weight_b, weight_c = row_b + x * step_b, row_c + x * step_c
-                if weight_b < 0.0 or weight_c < 0.0 or weight_b + weight_c > 1.0:
-                    continue
-                depth = az + weight_b * bz + weight_c * cz
-                if depth > depth_of_sample[row, column]:
+                if column - first < rim or last - column < rim:
+                    weight_b, weight_c = row_b + x * step_b, row_c + x * step_c
+                    if weight_b < 0.0 or weight_c < 0.0 or weight_b + weight_c > 1.0:
+                        continue
+                depth = row_depth + x * step_depth
+                if face_of_sample[row, column] == NO_FACE or depth > depth_of_sample[row, column]:
                     depth_of_sample[row, column] = depth
                     face_of_sample[row, column] = f
 
@@ -230,17 +235,49 @@ def _light_of_faces(projected: Floats, faces: NDArray[np.int32], brightness: Flo
     return light
 
 
-@njit(cache=True, nogil=True)
-def _is_outline(depth: Floats, row: int, column: int, jump_mm: float) -> bool:
-    """True on the near side of a step in depth (H, W) between neighbouring samples."""
+@njit(cache=True, nogil=True, inline="always")
+def _is_outline(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
+    """True on the near side of a step in depth between neighbouring samples; face, depth: (H, W)."""
     height, width = depth.shape
     limit = depth[row, column] - jump_mm
     return bool(
-        (row > 0 and depth[row - 1, column] < limit)
-        or (row < height - 1 and depth[row + 1, column] < limit)
-        or (column > 0 and depth[row, column - 1] < limit)
-        or (column < width - 1 and depth[row, column + 1] < limit)
+        (row > 0 and (face[row - 1, column] == NO_FACE or depth[row - 1, column] < limit))
+        or (row < height - 1 and (face[row + 1, column] == NO_FACE or depth[row + 1, column] < limit))
+        or (column > 0 and (face[row, column - 1] == NO_FACE or depth[row, column - 1] < limit))
+        or (column < width - 1 and (face[row, column + 1] == NO_FACE or depth[row, column + 1] < limit))
     )
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _is_calm(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
+    """True if no sample of the pixel that begins there can be on an outline: none around is empty or much deeper."""
+    height, width = depth.shape
+    if row == 0 or column == 0 or row + SAMPLES >= height or column + SAMPLES >= width:
+        return False
+    nearest = farthest = depth[row, column]
+    empty = False
+    for y in range(row - 1, row + SAMPLES + 1):
+        for x in range(column - 1, column + SAMPLES + 1):
+            empty |= face[y, x] == NO_FACE
+            nearest, farthest = max(nearest, depth[y, x]), min(farthest, depth[y, x])
+    return not empty and farthest >= nearest - jump_mm
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _is_plain(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
+    """True if the pixel that begins there and all samples around it show one face, and that is not steep."""
+    height, width = depth.shape
+    if row == 0 or column == 0 or row + SAMPLES >= height or column + SAMPLES >= width:
+        return False
+    f = face[row, column]
+    others = 0
+    for y in range(row - 1, row + SAMPLES + 1):
+        for x in range(column - 1, column + SAMPLES + 1):
+            others += face[y, x] != f
+    if others or f == NO_FACE:
+        return False
+    here = depth[row, column]
+    return bool(abs(depth[row, column + 1] - here) <= jump_mm and abs(depth[row + 1, column] - here) <= jump_mm)
 
 
 @njit(cache=True, nogil=True)
@@ -252,18 +289,34 @@ def _paint(
     face_colours: NDArray[np.uint8],
     picture: NDArray[np.uint8],
 ) -> None:
-    """Light, outline and average the samples into picture (H, W, 3); light_of_faces as `_light_of_faces` gives it."""
+    """Light, outline and average the samples into picture (H, W, 4); light_of_faces as `_light_of_faces` gives it."""
     for y in range(picture.shape[0]):
         for x in range(picture.shape[1]):
+            picture[y, x, 3] = 255
+            first_row, first_column = y * SAMPLES, x * SAMPLES
+            shown = 0
+            for sample in range(SAMPLES * SAMPLES):
+                shown += face_of_sample[first_row + sample // SAMPLES, first_column + sample % SAMPLES] != NO_FACE
+            if not shown:
+                picture[y, x, 0] = picture[y, x, 1] = picture[y, x, 2] = 255
+                continue
+            if _is_plain(face_of_sample, depth, first_row, first_column, jump_mm):
+                f, row, column = face_of_sample[first_row, first_column], first_row + 0.5 * SAMPLES, first_column + 0.5 * SAMPLES
+                # light changes evenly along a face: its mean over the samples is that in the middle of the pixel
+                light = light_of_faces[f, 0] + light_of_faces[f, 1] * column + light_of_faces[f, 2] * row
+                for channel in range(3):
+                    picture[y, x, channel] = np.uint8(face_colours[f, channel] * light + 0.5) | LOWEST_BIT
+                continue
+            calm = _is_calm(face_of_sample, depth, first_row, first_column, jump_mm)
             red = green = blue = 0.0
             for sample in range(SAMPLES * SAMPLES):
-                row, column = y * SAMPLES + sample // SAMPLES, x * SAMPLES + sample % SAMPLES
+                row, column = first_row + sample // SAMPLES, first_column + sample % SAMPLES
                 f = face_of_sample[row, column]
                 if f == NO_FACE:
                     red, green, blue = red + 255.0, green + 255.0, blue + 255.0
                     continue
                 light = light_of_faces[f, 0] + light_of_faces[f, 1] * (column + 0.5) + light_of_faces[f, 2] * (row + 0.5)
-                if _is_outline(depth, row, column, jump_mm):
+                if not calm and _is_outline(face_of_sample, depth, row, column, jump_mm):
                     light *= OUTLINE_SHADE
                 red += face_colours[f, 0] * light
                 green += face_colours[f, 1] * light

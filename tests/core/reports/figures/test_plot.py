@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from core.reports.figures.canvas import place_pixels, sheet, to_png
+from core.reports.figures.canvas import Sheet
 from core.reports.figures.colour_bar import draw_colour_bar
 from core.reports.figures.plot import Plot, round_values
 
@@ -22,26 +22,26 @@ def red(picture: np.ndarray) -> np.ndarray:
 
 
 def test_data_land_where_they_belong():
-    with sheet(2.0, 2.0, 100) as figure:
-        plot = Plot(figure, BOX, (0.0, 10.0), (4.0, 30.0))
-        plot.band(1.0, 2.0, "#ff0000", top=20.0)
-        assert plot.at(2.0, 20.0) == (100.0, 100.0)
-        found = red(pixels(to_png(figure)))
+    sheet = Sheet(2.0, 2.0, 100)
+    plot = Plot(sheet, BOX, (0.0, 10.0), (4.0, 30.0))
+    plot.band(1.0, 2.0, "#ff0000", top=20.0)
+    assert plot.at(2.0, 20.0) == (100.0, 100.0)
+    found = red(pixels(sheet.png()))
     rows, columns = np.nonzero(found)
     assert (columns.min(), columns.max() + 1) == (75, 100)
     assert (200 - rows.max() - 1, 200 - rows.min()) == (50, 100)
 
 
 def test_a_logarithmic_axis_gives_every_decade_the_same_room():
-    with sheet(2.0, 2.0, 100) as figure:
-        plot = Plot(figure, BOX, (0.0, 1e-4), (1.0, 1.0), log_y=True)
-        assert [plot.at(0.5, 10.0**power)[1] for power in (-4, -3, -2, -1, 0)] == pytest.approx([50, 75, 100, 125, 150])
+    sheet = Sheet(2.0, 2.0, 100)
+    plot = Plot(sheet, BOX, (0.0, 1e-4), (1.0, 1.0), log_y=True)
+    assert [plot.at(0.5, 10.0**power)[1] for power in (-4, -3, -2, -1, 0)] == pytest.approx([50, 75, 100, 125, 150])
 
 
 def test_lines_end_at_the_window():
-    with sheet(2.0, 2.0, 100) as figure:
-        Plot(figure, BOX, (0.0, 0.0), (1.0, 1.0)).line([-5.0, 5.0], [-5.0, 5.0], "#ff0000", 3.0)
-        rows, columns = np.nonzero(red(pixels(to_png(figure))))
+    sheet = Sheet(2.0, 2.0, 100)
+    Plot(sheet, BOX, (0.0, 0.0), (1.0, 1.0)).line([-5.0, 5.0], [-5.0, 5.0], "#ff0000", 3.0)
+    rows, columns = np.nonzero(red(pixels(sheet.png())))
     assert columns.min() >= 49
     assert columns.max() <= 150
     assert rows.min() >= 49
@@ -49,11 +49,12 @@ def test_lines_end_at_the_window():
 
 
 def test_pictures_lie_below_the_drawing_and_may_leave_the_sheet():
-    picture = np.zeros((50, 60, 3), dtype=np.uint8)
-    with sheet(2.0, 2.0, 100) as figure:
-        place_pixels(figure, picture, -20, 170)
-        Plot(figure, (0.0, 0.0, 1.0, 1.0), (0.0, 0.0), (1.0, 1.0)).line([0.0, 1.0], [0.95, 0.95], "#ff0000", 4.0)
-        drawn = pixels(to_png(figure))
+    picture = np.zeros((50, 60, 4), dtype=np.uint8)
+    sheet = Sheet(2.0, 2.0, 100)
+    picture[:, :, 3] = 255
+    sheet.place(picture, -20, 170)
+    Plot(sheet, (0.0, 0.0, 1.0, 1.0), (0.0, 0.0), (1.0, 1.0)).line([0.0, 1.0], [0.95, 0.95], "#ff0000", 4.0)
+    drawn = pixels(sheet.png())
     black = (drawn == 0).all(axis=2)
     assert black[:30, :40].sum() > 900
     assert not black[31:, :].any()
@@ -62,9 +63,9 @@ def test_pictures_lie_below_the_drawing_and_may_leave_the_sheet():
 
 
 def test_a_colour_bar_runs_from_the_first_to_the_last_colour():
-    with sheet(2.0, 2.0, 100) as figure:
-        draw_colour_bar(figure, BOX, "magma", 0.0, 2.0, "depth [mm]")
-        row = pixels(to_png(figure))[100, 55:145]
+    sheet = Sheet(2.0, 2.0, 100)
+    draw_colour_bar(sheet, BOX, "magma", 0.0, 2.0, "depth [mm]")
+    row = pixels(sheet.png())[100, 55:145]
     assert row[0].sum() < 60
     assert row[-1].sum() > 600
     assert (np.diff(row.sum(axis=1)) >= -2).all()

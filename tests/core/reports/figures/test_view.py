@@ -5,7 +5,7 @@ import pytest
 
 from core.mesh import Mesh
 from core.reports.figures import view as view_module
-from core.reports.figures.view import NO_FACE, SAMPLES, Surface, View, look
+from core.reports.figures.view import NO_FACE, SAMPLES, Scratch, Surface, View, look
 from subjects.body import body
 from tests.solids import cube, sphere, together
 
@@ -18,8 +18,9 @@ def test_a_sphere_covers_a_disc_and_is_nearest_in_its_middle():
     raster = look(Surface.of(sphere(10.0, 5)), straight_down(12.5, 200))
     per_mm = 200 * SAMPLES / 25.0
     assert (raster.face != NO_FACE).sum() / per_mm**2 == pytest.approx(np.pi * 100, rel=5e-3)
-    assert raster.depth.max() == pytest.approx(10.0, abs=0.01)
-    assert np.unravel_index(raster.depth.argmax(), raster.depth.shape) == pytest.approx((200, 200), abs=3)
+    depth = np.where(raster.face != NO_FACE, raster.depth, -np.inf)
+    assert depth.max() == pytest.approx(10.0, abs=0.01)
+    assert np.unravel_index(depth.argmax(), depth.shape) == pytest.approx((200, 200), abs=3)
 
 
 def test_depth_is_exact_on_a_plane():
@@ -43,8 +44,9 @@ def test_paint_shows_the_colours_of_the_faces_on_white():
     mesh = sphere(10.0, 4)
     colours = np.where((mesh.triangles().mean(axis=1)[:, 0] < 0)[:, None], [200, 0, 0], [0, 0, 200]).astype(np.uint8)
     picture = look(Surface.of(mesh), straight_down(12.5, 100)).paint(colours)
-    assert picture.shape == (100, 100, 3)
-    assert picture[0, 0].tolist() == [255, 255, 255]
+    assert picture.shape == (100, 100, 4)
+    assert picture[0, 0].tolist() == [255, 255, 255, 255]
+    assert (picture[:, :, 3] == 255).all()
     left, right = picture[50, 30], picture[50, 70]
     assert left[0] > 80
     assert left[2] <= 1
@@ -55,12 +57,13 @@ def test_paint_shows_the_colours_of_the_faces_on_white():
 def test_compiled_and_plain_kernels_agree():
     mesh = sphere(10.0, 2)
     raster = look(Surface.of(mesh), straight_down(12.5, 20))
-    face, depth = np.full_like(raster.face, NO_FACE), np.full_like(raster.depth, -np.inf)
+    face, depth = np.full_like(raster.face, NO_FACE), np.zeros_like(raster.depth)
     view_module._draw_faces.py_func(raster.projected, mesh.faces, 1, face, depth)
     np.testing.assert_array_equal(face, raster.face)
-    np.testing.assert_array_equal(depth, raster.depth)
+    seen = face != NO_FACE
+    np.testing.assert_array_equal(depth[seen], raster.depth[seen])
     colours = np.arange(len(mesh.faces) * 3, dtype=np.uint8).reshape(-1, 3)
-    brightness, picture = np.linspace(0.4, 1.0, len(mesh.vertices)), np.empty((20, 20, 3), dtype=np.uint8)
+    brightness, picture = np.linspace(0.4, 1.0, len(mesh.vertices)), np.empty((20, 20, 4), dtype=np.uint8)
     compiled = picture.copy()
     light = view_module._light_of_faces.py_func(raster.projected, mesh.faces, brightness)
     np.testing.assert_array_equal(light, view_module._light_of_faces(raster.projected, mesh.faces, brightness))
@@ -68,6 +71,25 @@ def test_compiled_and_plain_kernels_agree():
     view_module._paint.py_func(*arguments, picture)
     view_module._paint(*arguments, compiled)
     np.testing.assert_array_equal(picture, compiled)
+
+
+def test_what_was_seen_before_in_the_same_room_does_not_show_through():
+    scratch, down = Scratch(), straight_down(3.0, 60)
+    far = Surface.of(cube(2.0, at=(-1, -1, -4)))
+    alone = look(far, down).paint(np.full((12, 3), 200, dtype=np.uint8))
+    look(Surface.of(cube(4.0, at=(-2, -2, 5))), down, scratch)
+    again = look(far, down, scratch)
+    assert again.sees(np.array([[1.5, 1.5, -5.0], [0.0, 0.0, -5.0]]), slack_mm=0.1).tolist() == [True, False]
+    np.testing.assert_array_equal(again.paint(np.full((12, 3), 200, dtype=np.uint8)), alone)
+
+
+def test_a_step_in_depth_gets_a_line_on_its_near_side():
+    mesh = together(cube(80.0, at=(-40, -40, -80)), cube(20.0, at=(-10, -10, 20)))
+    picture = look(Surface.of(mesh), straight_down(30.0, 120)).paint(np.full((len(mesh.faces), 3), 200, dtype=np.uint8))
+    row = picture[60, :, 0].astype(int)
+    assert row[39] > 150  # the far cube right beside the step
+    assert row[40] < 0.8 * row[44]  # the line, on the near one
+    assert abs(row[43] - row[45]) < 5  # and nothing inside of it
 
 
 def test_wide_faces_cover_what_their_halves_cover():
