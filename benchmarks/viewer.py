@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -24,6 +22,7 @@ from tests.acceptance.service import binary_stl
 from tests.api.live import serving
 from tests.valkey import running_valkey
 from tests.web.browser import COUNT_CALLS, chromium, visit
+from tests.web.tracing import traced
 
 FACES = (100_000, 990_000)  # in two closed surfaces; above 500,000 each the server thins them
 SETTLE_MS = 3_000
@@ -43,20 +42,6 @@ class Cost:
     draws_per_frame: float
     new_buffers: int
     bytes_per_frame: float
-
-
-@contextmanager
-def traced(session: CDPSession) -> Iterator[list[dict[str, Any]]]:
-    """The events of the main thread while the block ran, filled in at its end."""
-    events: list[dict[str, Any]] = []
-    done: list[bool] = []
-    session.on("Tracing.dataCollected", lambda told: events.extend(told["value"]))
-    session.on("Tracing.tracingComplete", lambda _told: done.append(True))
-    session.send("Tracing.start", {"categories": "devtools.timeline", "transferMode": "ReportEvents"})
-    yield events
-    session.send("Tracing.end")
-    while not done:
-        session.send("Runtime.evaluate", {"expression": "0"})
 
 
 def heap_bytes(session: CDPSession) -> float:
