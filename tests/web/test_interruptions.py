@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import timedelta
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
+from sqlalchemy import update
 
 from store.api_keys import ApiKeys
+from store.records import ApiKeyRow
 from store.scope import Scope
 from store.settings import Settings
 from store.workers import WorkerWord
@@ -60,7 +62,18 @@ def make_key(live: Live) -> tuple[str, str]:
 
 
 def revoke(live: Live, key_id: str) -> None:
+    """An operator takes it back."""
     ApiKeys(live.services.db).revoke(key_id)
+
+
+def expire(live: Live, key_id: str) -> None:
+    """Its time is over."""
+    with live.services.db.session() as session:
+        past = live.services.db.now(session) - timedelta(seconds=1)
+        session.execute(update(ApiKeyRow).where(ApiKeyRow.id == key_id).values(expires_at=past))
+
+
+ENDS = [pytest.param(revoke, "access.key_invalid", id="revoked"), pytest.param(expire, "access.key_expired", id="expired")]
 
 
 def enter_key(page: Page, text: str, *, by: str = "Enter an API key") -> None:
@@ -69,7 +82,10 @@ def enter_key(page: Page, text: str, *, by: str = "Enter an API key") -> None:
     page.get_by_role("button", name="Use this key").click()
 
 
-def test_a_key_that_ends_in_mid_form_costs_nothing(locked: Live, browser: Browser) -> None:
+@pytest.mark.parametrize(("end", "code"), ENDS)
+def test_a_key_that_ends_in_mid_form_costs_nothing(
+    locked: Live, browser: Browser, end: Callable[[Live, str], None], code: str
+) -> None:
     key_id, text = make_key(locked)
     with visit(browser, locked.url) as seen:
         page = seen.page
@@ -81,9 +97,9 @@ def test_a_key_that_ends_in_mid_form_costs_nothing(locked: Live, browser: Browse
         page.get_by_label("Depth of layer 1 in mm").fill("1.25")
         page.get_by_role("button", name="Add a layer").click()
         page.get_by_label("Labels, separated by commas").fill("pilot")
-        revoke(locked, key_id)
+        end(locked, key_id)
         page.get_by_role("button", name="Start the job").click()
-        expect(page.get_by_role("alert")).to_contain_text("access.key_invalid")
+        expect(page.get_by_role("alert")).to_contain_text(code)
         seen.picture("key-ended-in-form")
         assert seen.barriers() == []
         enter_key(page, make_key(locked)[1])
@@ -96,7 +112,10 @@ def test_a_key_that_ends_in_mid_form_costs_nothing(locked: Live, browser: Browse
         expect(page.get_by_role("alert").first).to_contain_text("field required")  # no skin: the server answers again
 
 
-def test_a_key_that_ends_while_a_job_is_watched(locked: Live, browser: Browser) -> None:
+@pytest.mark.parametrize(("end", "code"), ENDS)
+def test_a_key_that_ends_while_a_job_is_watched(
+    locked: Live, browser: Browser, end: Callable[[Live, str], None], code: str
+) -> None:
     key_id, text = make_key(locked)
     job = locked.running()
     with visit(browser, locked.url) as seen:
@@ -104,8 +123,8 @@ def test_a_key_that_ends_while_a_job_is_watched(locked: Live, browser: Browser) 
         page.goto(f"/#/jobs/{job.id}")
         enter_key(page, text)
         expect(page.get_by_role("progressbar", name="Progress of the job")).to_be_visible()
-        revoke(locked, key_id)
-        expect(page.get_by_role("alert")).to_contain_text("access.key_invalid", timeout=40_000)
+        end(locked, key_id)
+        expect(page.get_by_role("alert")).to_contain_text(code, timeout=40_000)
         expect(page.get_by_role("progressbar", name="Progress of the job")).to_be_visible()  # as it was seen last
         seen.picture("key-ended-at-job")
         enter_key(page, make_key(locked)[1])
@@ -114,17 +133,20 @@ def test_a_key_that_ends_while_a_job_is_watched(locked: Live, browser: Browser) 
         expect(page.get_by_text("1 mesh, no errors").first).to_be_visible()
 
 
-def test_an_upload_goes_on_with_another_key(locked: Live, browser: Browser, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("end", "code"), ENDS)
+def test_an_upload_goes_on_with_another_key(
+    locked: Live, browser: Browser, tmp_path: Path, end: Callable[[Live, str], None], code: str
+) -> None:
     key_id, text = make_key(locked)
     with visit(browser, locked.url) as seen:
         page = seen.page
         page.goto("/")
         enter_key(page, text)
         expect(page.get_by_role("button", name="Choose files…")).to_be_visible()
-        revoke(locked, key_id)
+        end(locked, key_id)
         page.get_by_label("Files to upload").set_input_files(write(tmp_path / "skin.stl", binary_stl()))
         item = page.get_by_role("article", name="Upload of skin.stl")
-        expect(item.get_by_role("alert")).to_contain_text("access.key_invalid")
+        expect(item.get_by_role("alert")).to_contain_text(code)
         item.get_by_label("Unit of the coordinates in the file").select_option("mm")
         enter_key(page, make_key(locked)[1])
         expect(page.get_by_text("Received.")).to_be_visible()
