@@ -1,6 +1,6 @@
 /** Numbers as people read them. */
 
-import type { MeshInfo, VolumeInfo } from "./api/types";
+import type { Job, MeshInfo, VolumeInfo } from "./api/types";
 
 export function sayCount(count: number): string {
   return count.toLocaleString("en");
@@ -28,11 +28,28 @@ export function sayWhen(iso: string): string {
   return date.toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 }
 
+/** 0.050, 1.25, 123.4, 26,836.0; far beyond that 1.23e+8. */
 export function sayNumber(value: number): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-3) return value.toExponential(2);
-  return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 3);
+  if (size >= 1e7 || size < 1e-3) return value.toExponential(2);
+  const digits = size >= 100 ? 1 : size >= 1 ? 2 : 3;
+  return value.toLocaleString("en", { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}
+
+/** Of an area in mm², in cm². */
+export function sayArea(mm2: number): string {
+  return sayNumber(mm2 / 100);
+}
+
+/** 0.9951 as 99.51 %. */
+export function sayShare(share: number): string {
+  return `${(100 * share).toFixed(2)} %`;
+}
+
+/** What came of a job, or how it goes, in a line. */
+export function sayOutcome({ summary, failure, phase, message }: Job): string {
+  return summary ?? failure?.message ?? phase ?? message;
 }
 
 /** False for label volumes, fields and coils: they have no triangles. */

@@ -1,4 +1,5 @@
-/** Takes a row away; stands in the last column of a table. */
+import type { Column } from "../parts/table";
+
 export function RemoveButton(props: { what: string; disabled?: boolean; onRemove: () => void }) {
   return (
     <button
@@ -13,11 +14,15 @@ export function RemoveButton(props: { what: string; disabled?: boolean; onRemove
   );
 }
 
-/** The heading of that column. */
-export function RemoveHeading() {
-  return (
-    <th>
-      <span class="hidden-label">Remove</span>
-    </th>
-  );
+/** The last column of a table whose rows can be taken away. */
+export function removeColumn<Row>(
+  whatOf: (row: Row) => string,
+  onRemove: (row: Row) => void,
+  disabled = false,
+): Column<Row> {
+  return {
+    title: "Remove",
+    silent: true,
+    cell: (row) => <RemoveButton what={whatOf(row)} disabled={disabled} onRemove={() => onRemove(row)} />,
+  };
 }

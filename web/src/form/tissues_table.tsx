@@ -1,7 +1,8 @@
 import type { MeshInfo } from "../api/types";
+import { Table } from "../parts/table";
 import { NumberInput } from "./number_input";
 import { type Choice, namedReferences, ReferenceInput } from "./references_input";
-import { RemoveButton, RemoveHeading } from "./remove_button";
+import { removeColumn } from "./remove_button";
 import { freshName, type Tissue } from "./values";
 
 /** Inner surfaces with their names, and what the server is not to guess about them. */
@@ -24,68 +25,65 @@ export function TissuesTable(props: {
   return (
     <div class="stack">
       {tissues.length > 0 && (
-        <div class="scroll-x">
-          <table>
-            <thead>
-              <tr>
-                <th>Tissue</th>
-                <th>Mesh</th>
-                <th>Directly inside</th>
-                <th>S/m</th>
-                <RemoveHeading />
-              </tr>
-            </thead>
-            <tbody>
-              {tissues.map((tissue, at) => (
-                <tr key={at}>
-                  <td>
-                    <input
-                      class="layer-name"
-                      aria-label={`Name of tissue ${at + 1}`}
-                      value={tissue.name}
-                      size={13}
-                      onInput={(event) => change(at, { name: event.currentTarget.value })}
-                    />
-                  </td>
-                  <td>
-                    <ReferenceInput
-                      id={`tissue-mesh-${at}`}
-                      label={`Mesh of tissue ${at + 1}`}
-                      choices={props.choices}
-                      href={tissue.mesh.href}
-                      optional={false}
-                      onHref={(href) => choose(at, href)}
-                    />
-                  </td>
-                  <td>
-                    <input
-                      aria-label={`Surface that must be next around ${tissue.name}`}
-                      value={tissue.inside ?? ""}
-                      placeholder="whichever"
-                      size={13}
-                      onInput={(event) => change(at, { inside: event.currentTarget.value || undefined })}
-                    />
-                  </td>
-                  <td>
-                    <NumberInput
-                      label={`Conductivity of ${tissue.name} in S/m`}
-                      value={tissue.conductivity_s_per_m}
-                      placeholder="by name"
-                      min={0}
-                      onValue={(conductivity_s_per_m) => change(at, { conductivity_s_per_m })}
-                    />
-                  </td>
-                  <td>
-                    <RemoveButton
-                      what={`tissue ${tissue.name}`}
-                      onRemove={() => onTissues(tissues.filter((_, i) => i !== at))}
-                    />
-                  </td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <Table
+          rows={tissues}
+          keyOf={(_, at) => at}
+          columns={[
+            {
+              title: "Tissue",
+              cell: (tissue, at) => (
+                <input
+                  class="layer-name"
+                  aria-label={`Name of tissue ${at + 1}`}
+                  value={tissue.name}
+                  size={13}
+                  onInput={(event) => change(at, { name: event.currentTarget.value })}
+                />
+              ),
+            },
+            {
+              title: "Mesh",
+              cell: (tissue, at) => (
+                <ReferenceInput
+                  id={`tissue-mesh-${at}`}
+                  label={`Mesh of tissue ${at + 1}`}
+                  choices={props.choices}
+                  href={tissue.mesh.href}
+                  optional={false}
+                  onHref={(href) => choose(at, href)}
+                />
+              ),
+            },
+            {
+              title: "Directly inside",
+              cell: (tissue, at) => (
+                <input
+                  aria-label={`Surface that must be next around ${tissue.name}`}
+                  value={tissue.inside ?? ""}
+                  placeholder="whichever"
+                  size={13}
+                  onInput={(event) => change(at, { inside: event.currentTarget.value || undefined })}
+                />
+              ),
+            },
+            {
+              title: "S/m",
+              cell: (tissue, at) => (
+                <NumberInput
+                  label={`Conductivity of ${tissue.name} in S/m`}
+                  value={tissue.conductivity_s_per_m}
+                  placeholder="by name"
+                  min={0}
+                  onValue={(conductivity_s_per_m) => change(at, { conductivity_s_per_m })}
+                />
+              ),
+            },
+            removeColumn<Tissue>(
+              (tissue) => `tissue ${tissue.name}`,
+              (tissue) => onTissues(tissues.filter((one) => one !== tissue)),
+            ),
+          ]}
+        />
       )}
       <div>
         <button

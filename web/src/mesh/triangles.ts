@@ -20,6 +20,14 @@ export function boundsOf(positions: Float32Array): Bounds {
   return bounds;
 }
 
+/** Of all of them together. */
+export function boundsOfAll(meshes: readonly Triangles[]): Bounds {
+  const all = meshes.map((mesh) => boundsOf(mesh.positions));
+  const end = (side: "min" | "max") =>
+    [0, 1, 2].map((axis) => Math[side](...all.map((one) => one[side][axis]!))) as Bounds["min"];
+  return { min: end("min"), max: end("max") };
+}
+
 /** The enclosed volume in mm³: positive for a closed surface that faces outwards. */
 export function volumeOf({ positions: p, faces }: Triangles): number {
   let sum = 0;

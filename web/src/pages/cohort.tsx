@@ -1,12 +1,23 @@
 import { useState } from "preact/hooks";
-import { cohortJobs, cohortResults, dismissCohort, getCohort, removeCohort, retryCohort } from "../api/cohorts";
+import {
+  type Cohort,
+  cohortJobs,
+  cohortResults,
+  dismissCohort,
+  getCohort,
+  removeCohort,
+  retryCohort,
+} from "../api/cohorts";
+import type { Job } from "../api/types";
 import { ConfirmedButton } from "../parts/confirmed_button";
 import { Failure } from "../parts/failure";
 import { usePolled } from "../parts/polled";
 import { saveFrom } from "../parts/save";
 import { StatusTag } from "../parts/status_tag";
+import { type Column, Table } from "../parts/table";
 import { Verdict } from "../parts/verdict";
 import { goTo } from "../router";
+import { sayCount, sayOutcome } from "../words";
 
 const LOOK_MS = 2000;
 const FILES = [
@@ -15,6 +26,31 @@ const FILES = [
   ["summary", "Summary (JSON)", "summary.json"],
   ["packages", "All results (zip)", "results.zip"],
 ] as const;
+
+type Refused = NonNullable<Cohort["refused"]>[number];
+
+const COLUMNS: readonly Column<Job | Refused>[] = [
+  {
+    title: "Subject",
+    cell: (one) => ("jobID" in one ? <a href={`#/jobs/${one.jobID}`}>{one.subject}</a> : one.subject),
+  },
+  {
+    title: "Status",
+    cell: (one) => ("jobID" in one ? <StatusTag job={one} /> : <span class="tag bad">refused</span>),
+  },
+  { title: "Verdict", cell: (one) => ("jobID" in one ? <Verdict verdict={one.verdict} /> : null) },
+  {
+    title: "What",
+    cell: (one) =>
+      "jobID" in one ? (
+        sayOutcome(one)
+      ) : (
+        <>
+          {one.message} <span class="mono">{one.code}</span>
+        </>
+      ),
+  },
+];
 
 /** One cohort: a line per subject, and the summary when all have ended. */
 export function CohortPage({ id }: { id: string }) {
@@ -74,8 +110,9 @@ export function CohortPage({ id }: { id: string }) {
       {refused ? <Failure error={refused} /> : null}
       <section class="card stack" aria-label="Progress">
         <p aria-live="polite">
-          {cohort.processID}: {cohort.ready} of {cohort.subjects} subjects are ready, {live} wait or run,{" "}
-          {cohort.counts.failed} failed, {cohort.counts.refused} refused.
+          {cohort.processID}: {sayCount(cohort.ready)} of {sayCount(cohort.subjects)} subjects are ready,{" "}
+          {sayCount(live)} wait or run, {sayCount(cohort.counts.failed)} failed, {sayCount(cohort.counts.refused)}{" "}
+          refused.
         </p>
         <progress value={cohort.progress} max={100} aria-label="Progress of the cohort" />
         {cohort.status === "finished" && cohort.summaryJob && (
@@ -91,46 +128,13 @@ export function CohortPage({ id }: { id: string }) {
           </div>
         )}
       </section>
-      <div class="card scroll-x">
-        <table>
-          <thead>
-            <tr>
-              <th>Subject</th>
-              <th>Status</th>
-              <th>Verdict</th>
-              <th>What</th>
-            </tr>
-          </thead>
-          <tbody>
-            {jobs.map((job) => (
-              <tr key={job.jobID}>
-                <td>
-                  <a href={`#/jobs/${job.jobID}`}>{job.subject}</a>
-                </td>
-                <td>
-                  <StatusTag job={job} />
-                </td>
-                <td>
-                  <Verdict verdict={job.verdict} />
-                </td>
-                <td>{job.summary ?? job.failure?.message ?? job.phase ?? job.message}</td>
-              </tr>
-            ))}
-            {cohort.refused?.map((one) => (
-              <tr key={one.subject}>
-                <td>{one.subject}</td>
-                <td>
-                  <span class="tag bad">refused</span>
-                </td>
-                <td />
-                <td>
-                  {one.message} <span class="mono">{one.code}</span>
-                </td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <section class="card" aria-label="Subjects">
+        <Table
+          rows={[...jobs, ...(cohort.refused ?? [])]}
+          keyOf={(one) => ("jobID" in one ? one.jobID : one.subject)}
+          columns={COLUMNS}
+        />
+      </section>
     </>
   );
 }

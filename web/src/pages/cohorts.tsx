@@ -1,10 +1,23 @@
-import { listCohorts } from "../api/cohorts";
+import { type Cohort, listCohorts } from "../api/cohorts";
 import { Failure } from "../parts/failure";
 import { MoreButton, useLongList } from "../parts/long_list";
 import { NewCohort } from "../parts/new_cohort";
-import { sayWhen } from "../words";
+import { type Column, Table } from "../parts/table";
+import { sayCount, sayWhen } from "../words";
 
 const FIRST = 50;
+const COLUMNS: readonly Column<Cohort>[] = [
+  { title: "Cohort", cell: (one) => <a href={`#/cohorts/${one.id}`}>{one.name ?? one.id.slice(0, 8)}</a> },
+  { title: "Process", cell: (one) => one.processID },
+  {
+    title: "Status",
+    cell: (one) => (one.status === "finished" ? one.status : `${one.status} ${one.progress} %`),
+  },
+  { title: "Subjects", kind: "number", cell: (one) => sayCount(one.subjects) },
+  { title: "Ready", kind: "number", cell: (one) => sayCount(one.ready) },
+  { title: "Failed", kind: "number", cell: (one) => sayCount(one.counts.failed + one.counts.refused) },
+  { title: "Created", cell: (one) => sayWhen(one.created) },
+];
 
 /** Studies of many subjects: those there are, and a new one. */
 export function CohortsPage() {
@@ -20,36 +33,9 @@ export function CohortsPage() {
         <p class="card empty">No cohorts yet. A cohort is one job for many meshes.</p>
       )}
       {list.items.length > 0 && (
-        <div class="card scroll-x">
-          <table>
-            <thead>
-              <tr>
-                <th>Cohort</th>
-                <th>Process</th>
-                <th>Status</th>
-                <th class="number">Subjects</th>
-                <th class="number">Ready</th>
-                <th class="number">Failed</th>
-                <th>Created</th>
-              </tr>
-            </thead>
-            <tbody>
-              {list.items.map((one) => (
-                <tr key={one.id}>
-                  <td>
-                    <a href={`#/cohorts/${one.id}`}>{one.name ?? one.id.slice(0, 8)}</a>
-                  </td>
-                  <td>{one.processID}</td>
-                  <td>{one.status === "finished" ? "finished" : `${one.status} ${one.progress} %`}</td>
-                  <td class="number">{one.subjects}</td>
-                  <td class="number">{one.ready}</td>
-                  <td class="number">{one.counts.failed + one.counts.refused}</td>
-                  <td>{sayWhen(one.created)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <section class="card" aria-label="All cohorts">
+          <Table rows={list.items} keyOf={(one) => one.id} columns={COLUMNS} />
+        </section>
       )}
       <MoreButton onMore={list.showMore} loading={list.loading} />
       <NewCohort />

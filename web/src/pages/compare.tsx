@@ -3,8 +3,9 @@ import type { Job, Report } from "../api/types";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
 import { StatusTag } from "../parts/status_tag";
+import { Table } from "../parts/table";
 import { Verdict } from "../parts/verdict";
-import { sayNumber } from "../words";
+import { sayArea, sayCount, sayNumber, sayOutcome, saySeconds, sayShare } from "../words";
 
 interface Side {
   job: Job;
@@ -32,32 +33,27 @@ export function ComparePage({ a, b }: { a: string; b: string }) {
           Back to the jobs
         </a>
       </div>
-      <div class="card scroll-x">
-        <table>
-          <thead>
-            <tr>
-              <th>
-                <span class="hidden-label">What</span>
-              </th>
-              {[left, right].map(({ job }) => (
-                <th key={job.jobID}>
-                  <a href={`#/jobs/${job.jobID}`}>{job.processID}</a> <span class="mono">{job.jobID.slice(0, 8)}</span>{" "}
-                  <StatusTag job={job} /> <Verdict verdict={job.verdict} />
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {rowsOf(left, right).map(([what, one, other]) => (
-              <tr key={what} class={one === other ? "" : "differs"}>
-                <td>{what}</td>
-                <td class="mono">{one}</td>
-                <td class="mono">{other}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <section class="card" aria-label="Line by line">
+        <Table
+          rows={rowsOf(left, right)}
+          keyOf={([what]) => what}
+          rowClass={([, one, other]) => (one === other ? "" : "differs")}
+          columns={[
+            { title: "What", silent: true, cell: ([what]) => what },
+            { title: <SideTitle side={left} />, kind: "mono", cell: ([, one]) => one },
+            { title: <SideTitle side={right} />, kind: "mono", cell: ([, , other]) => other },
+          ]}
+        />
+      </section>
+    </>
+  );
+}
+
+function SideTitle({ side: { job } }: { side: Side }) {
+  return (
+    <>
+      <a href={`#/jobs/${job.jobID}`}>{job.processID}</a> <span class="mono">{job.jobID.slice(0, 8)}</span>{" "}
+      <StatusTag job={job} /> <Verdict verdict={job.verdict} />
     </>
   );
 }
@@ -68,26 +64,25 @@ function rowsOf(left: Side, right: Side): [string, string, string][] {
 }
 
 function linesOf({ job, report, inputs }: Side): Map<string, string> {
-  const lines = new Map<string, string>([["Summary", job.summary ?? job.failure?.message ?? job.message]]);
+  const lines = new Map<string, string>([["Summary", sayOutcome(job)]]);
   flatten(inputs, "", lines);
   for (const [name, one] of Object.entries(report?.thickness ?? {})) {
-    lines.set(`${name}: on target`, `${(100 * one.on_target_area).toFixed(2)} %`);
+    lines.set(`${name}: on target`, sayShare(one.on_target_area));
     lines.set(`${name}: least depth`, `${sayNumber(one.min_mm)} mm`);
   }
   for (const [name, one] of Object.entries(report?.meshes ?? {})) {
-    lines.set(`${name}: faces`, String(one.faces));
-    lines.set(`${name}: area`, `${sayNumber(one.area_mm2)} mm²`);
+    lines.set(`${name}: faces`, sayCount(one.faces));
+    lines.set(`${name}: area`, `${sayArea(one.area_mm2)} cm²`);
     lines.set(`${name}: lowest q`, sayNumber(one.quality.minimum));
   }
   for (const pair of report?.pairs ?? []) {
-    lines.set(`${pair.a} – ${pair.b}: intersecting`, String(pair.intersecting_pairs));
+    lines.set(`${pair.a} – ${pair.b}: intersecting`, sayCount(pair.intersecting_pairs));
     lines.set(
       `${pair.a} – ${pair.b}: smallest gap`,
       pair.min_gap_mm === null ? "–" : `${sayNumber(pair.min_gap_mm)} mm`,
     );
   }
-  for (const [phase, seconds] of Object.entries(job.timings_s ?? {}))
-    lines.set(`Time: ${phase}`, `${seconds.toFixed(1)} s`);
+  for (const [phase, seconds] of Object.entries(job.timings_s ?? {})) lines.set(`Time: ${phase}`, saySeconds(seconds));
   return lines;
 }
 

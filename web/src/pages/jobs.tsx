@@ -1,21 +1,43 @@
 import { useState } from "preact/hooks";
 import { isOver, listJobs } from "../api/jobs";
-import type { JobStatus } from "../api/types";
+import type { Job, JobStatus } from "../api/types";
 import { Failure } from "../parts/failure";
 import { JobWords } from "../parts/job_words";
 import { MoreButton } from "../parts/long_list";
 import { usePolled } from "../parts/polled";
 import { SearchBox, useSettled } from "../parts/search_box";
 import { StatusTag } from "../parts/status_tag";
+import { type Column, Table } from "../parts/table";
 import { Verdict } from "../parts/verdict";
 import { goTo } from "../router";
-import { saySeconds, sayWhen } from "../words";
+import { sayOutcome, saySeconds, sayWhen } from "../words";
 
 const LOOK_MS = 2000;
 const LOOK_PER_JOB_MS = 4; // a long list is asked for less often
 const FIRST = 50;
 const WAITED_LONG_MS = 45_000;
 const STATUSES: readonly JobStatus[] = ["accepted", "running", "successful", "failed", "dismissed"];
+const PROGRESS: readonly Column<Job>[] = [
+  {
+    title: "Progress",
+    cell: (job) =>
+      job.status === "running" ? (
+        <progress value={job.progress} max={100} aria-label={`Progress of job ${job.jobID}`} />
+      ) : (
+        <Verdict verdict={job.verdict} />
+      ),
+  },
+  { title: "What", cell: (job) => `${sayOutcome(job)}${job.queuePosition ? ` (place ${job.queuePosition})` : ""}` },
+  { title: "Created", cell: (job) => sayWhen(job.created) },
+  {
+    title: "Took",
+    kind: "number",
+    cell: (job) =>
+      job.started && isOver(job) && job.finished
+        ? saySeconds((Date.parse(job.finished) - Date.parse(job.started)) / 1000)
+        : "",
+  },
+];
 
 /** The jobs of the workspace, newest first; looked at again while this page is open. */
 export function JobsPage({ place }: { place: URLSearchParams }) {
@@ -81,62 +103,38 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
         <p class="card empty">{narrowed ? "No job matches the search." : "No jobs yet."}</p>
       )}
       {found.length > 0 && (
-        <div class="card scroll-x">
-          <table>
-            <thead>
-              <tr>
-                <th>
-                  <span class="hidden-label">Compare</span>
-                </th>
-                <th>Process</th>
-                <th>Status</th>
-                <th>Progress</th>
-                <th>What</th>
-                <th>Created</th>
-                <th class="number">Took</th>
-              </tr>
-            </thead>
-            <tbody>
-              {found.map((job) => (
-                <tr key={job.jobID}>
-                  <td>
-                    <input
-                      type="checkbox"
-                      aria-label={`Compare job ${job.jobID}`}
-                      checked={picked.includes(job.jobID)}
-                      onChange={(event) => pick(job.jobID, event.currentTarget.checked)}
-                    />
-                  </td>
-                  <td>
+        <section class="card" aria-label="All jobs">
+          <Table
+            rows={found}
+            keyOf={(job) => job.jobID}
+            columns={[
+              {
+                title: "Compare",
+                silent: true,
+                cell: ({ jobID }) => (
+                  <input
+                    type="checkbox"
+                    aria-label={`Compare job ${jobID}`}
+                    checked={picked.includes(jobID)}
+                    onChange={(event) => pick(jobID, event.currentTarget.checked)}
+                  />
+                ),
+              },
+              {
+                title: "Process",
+                cell: (job) => (
+                  <>
                     <a href={`#/jobs/${job.jobID}`}>{job.processID}</a>{" "}
                     <span class="mono muted">{job.jobID.slice(0, 8)}</span>
                     <JobWords job={job} onLabel={setLabel} />
-                  </td>
-                  <td>
-                    <StatusTag job={job} />
-                  </td>
-                  <td>
-                    {job.status === "running" ? (
-                      <progress value={job.progress} max={100} aria-label={`Progress of job ${job.jobID}`} />
-                    ) : (
-                      <Verdict verdict={job.verdict} />
-                    )}
-                  </td>
-                  <td>
-                    {job.summary ?? job.failure?.message ?? job.phase ?? job.message}
-                    {job.queuePosition ? ` (place ${job.queuePosition})` : ""}
-                  </td>
-                  <td>{sayWhen(job.created)}</td>
-                  <td class="number">
-                    {job.started && isOver(job) && job.finished
-                      ? saySeconds((Date.parse(job.finished) - Date.parse(job.started)) / 1000)
-                      : ""}
-                  </td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+                  </>
+                ),
+              },
+              { title: "Status", cell: (job) => <StatusTag job={job} /> },
+              ...PROGRESS,
+            ]}
+          />
+        </section>
       )}
       <MoreButton onMore={page?.next ? () => setCount(4 * count) : null} />
     </>

@@ -1,9 +1,10 @@
 import { messageOf } from "../api/server";
-import { RemoveButton, RemoveHeading } from "../form/remove_button";
+import { removeColumn } from "../form/remove_button";
 import { sayLength } from "../units";
 import { sayBytes, sayContent } from "../words";
 import type { Subject } from "./subject";
 import { isArchive } from "./subject";
+import { Table } from "./table";
 
 /** A line per subject: what it is, how far it came, what is wrong with it. */
 export function SubjectsTable({
@@ -15,32 +16,19 @@ export function SubjectsTable({
 }) {
   if (subjects.length === 0) return null;
   return (
-    <div class="scroll-x">
-      <table>
-        <thead>
-          <tr>
-            <th>Subject</th>
-            <th>Size</th>
-            <th>State</th>
-            <RemoveHeading />
-          </tr>
-        </thead>
-        <tbody>
-          {subjects.map((one) => (
-            <tr key={one.number}>
-              <td class="name">{one.title}</td>
-              <td class="small">{sizeOf(one)}</td>
-              <td class="small">
-                <State subject={one} />
-              </td>
-              <td>
-                <RemoveButton what={one.title} onRemove={() => onRemove(one.number)} />
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <Table
+      rows={subjects}
+      keyOf={(one) => one.number}
+      columns={[
+        { title: "Subject", kind: "name", cell: (one) => one.title },
+        { title: "Size", kind: "small", cell: sizeOf },
+        { title: "State", kind: "small", cell: (one) => <State subject={one} /> },
+        removeColumn<Subject>(
+          (one) => one.title,
+          (one) => onRemove(one.number),
+        ),
+      ]}
+    />
   );
 }
 

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Painted, SceneAbout, SceneMesh } from "../mesh/scene";
-import { type Bounds, boundsOf, type Triangles } from "../mesh/triangles";
+import { boundsOfAll } from "../mesh/triangles";
 import { ClipControl } from "../parts/clip_control";
 import { Legend } from "../parts/legend";
 import { TissueTable } from "../parts/tissue_table";
@@ -112,14 +112,5 @@ function fieldOf({ depths }: SceneMesh, { name, unit }: Painted): Field | null {
     low: Math.min(low, 0.5 * high),
     high,
     map: "viridis",
-  };
-}
-
-function boundsOfAll(meshes: readonly Triangles[]): Bounds {
-  const all = meshes.map((mesh) => boundsOf(mesh.positions));
-  const end = (side: "min" | "max", axis: number) => Math[side](...all.map((one) => one[side][axis]!));
-  return {
-    min: [end("min", 0), end("min", 1), end("min", 2)],
-    max: [end("max", 0), end("max", 1), end("max", 2)],
   };
 }

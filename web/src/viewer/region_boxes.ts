@@ -121,6 +121,10 @@ export class RegionBoxes {
     return held;
   }
 
+  dispose(): void {
+    this.clear();
+  }
+
   private clear(): void {
     for (const object of this.group.children) {
       const { geometry, material } = object as Mesh;
