@@ -44,7 +44,9 @@ class DecimateParameters(FrozenModel):
     max_deviation_mm: float | None = Field(
         None, gt=0, le=100, description="As few faces as possible while the result and the original stay this near, both ways"
     )
-    regions: Annotated[tuple[DecimateRegion, ...], Field(max_length=64)] = ()
+    regions: Annotated[tuple[DecimateRegion, ...], Field(max_length=64)] = Field(
+        (), description="Boxes with a share of their own"
+    )
     smooth_weight: float = Field(
         0.8, ge=0, le=1, description="How far vertices near a collapse move to the middle of their neighbours, along the surface"
     )

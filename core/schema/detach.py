@@ -51,4 +51,4 @@ class DetachSettings(FrozenModel):
 class DetachInputs(DetachSettings):
     """A closed skin whose parts are grown together where they touch."""
 
-    skin: MeshReference
+    skin: MeshReference = Field(description="A closed skin whose parts are grown together or run through each other")

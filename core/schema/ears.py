@@ -42,7 +42,7 @@ class EarRegion(FrozenModel):
 class CanalShape(FrozenModel):
     """A round tube in the shape of an S, for skins without a segmented canal."""
 
-    radius_mm: float = Field(3.5, ge=1, le=6)
+    radius_mm: float = Field(3.5, ge=1, le=6, description="Of the tube")
     length_mm: float = Field(25.0, ge=14, le=40, description="From the floor of the concha to the end")
     bend_mm: float = Field(2.0, ge=0, le=3.5, description="Swing of the S to either side")
 
@@ -62,7 +62,7 @@ OtherRegions = Annotated[tuple[Region, ...], Field(max_length=32, description="O
 class EarsInputs(ConductivityInputs):
     """A skin whose ears get thinner layers. The defaults are the thesis' case (6.4)."""
 
-    skin: MeshReference
+    skin: MeshReference = Field(description="The closed outer surface of a body")
     ears: Literal["auto"] | EarBoxes = Field("auto", description="`auto` finds both ears of a whole body; otherwise their boxes")
     canals: Canals = ()
     generate_canals: GeneratedCanals = None

@@ -23,8 +23,8 @@ class GraftRegion(FrozenModel):
 class GraftInputs(FrozenModel):
     """Base and donor are closed surfaces that run near each other at the walls of the regions, such as two shells of one skin."""
 
-    base: MeshReference
-    donor: MeshReference
+    base: MeshReference = Field(description="The surface that stays outside of the boxes")
+    donor: MeshReference = Field(description="The surface that is taken inside of the boxes")
     regions: Annotated[tuple[GraftRegion, ...], Field(min_length=1, max_length=16)] = Field(
         description="Boxes taken out of the base and filled from the donor; where they overlap they are one"
     )

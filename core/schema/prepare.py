@@ -46,7 +46,7 @@ class InnerTissue(FrozenModel):
     """A closed surface inside the innermost layer: an organ, a bone, a part of the brain."""
 
     name: MeshName
-    mesh: MeshReference
+    mesh: MeshReference = Field(description="Its closed surface")
     conductivity_s_per_m: Conductivity | None = Field(
         None, description="Default is that of the name, or of muscle if nobody knows it"
     )
@@ -81,7 +81,7 @@ class TissueGaps(FrozenModel):
 class PrepareInputs(ConductivityInputs):
     """A skin and the steps on its way to a model. Steps set to null are left out; the defaults are the thesis' full-body case."""
 
-    skin: MeshReference
+    skin: MeshReference = Field(description="The outer surface of a body, fit or not")
     heal: HealParameters | None = Field(
         HealParameters(), description="Mend the skin first; a fit one stays as it is. null: an unfit skin is refused"
     )

@@ -90,9 +90,9 @@ DEFAULT_LAYERS = (Layer(name="fat", depth_mm=1.0), Layer(name="average_body", de
 class ShellsInputs(ConductivityInputs):
     """A skin and the layers wanted, from outside inwards. The defaults are the thesis' full-body case."""
 
-    skin: MeshReference
+    skin: MeshReference = Field(description="The closed outer surface of a body")
     layers: Layers = DEFAULT_LAYERS
-    regions: Annotated[tuple[Region, ...], Field(max_length=64)] = ()
+    regions: Annotated[tuple[Region, ...], Field(max_length=64)] = Field((), description="Boxes with their own depths")
     thin_policy: ThinPolicy = "adapt"
     min_gap_mm: float = Field(0.05, gt=0, le=10, description="Smallest distance allowed between two shells")
     skin_shift_mm: SkinShiftMm = 0.0

@@ -11,6 +11,7 @@ from scripts.handbook.schema_tables import property_table, type_of
 
 METHODS = ("get", "head", "post", "put", "patch", "delete", "options")
 SCHEMAS = "schemas"
+WORDS = {"Successful Response": "As asked for"}  # the framework's, where the route says nothing of its own
 
 
 def http_pages(openapi: Path) -> dict[str, str]:
@@ -44,7 +45,7 @@ def _operation(method: str, path: str, operation: Mapping[str, Any]) -> str:
         parts.append(f"**Body** `{media_type}`{':' if table else f': {type_of(schema, _link)}'}\n\n{table}")
     parts.append("| status | what | body |\n|---|---|---|")
     parts += [
-        f"| {status} | {_cell(answer.get('description', ''))} | {_bodies(answer)} |"
+        f"| {status} | {_cell(WORDS.get(answer['description'], answer['description']))} | {_bodies(answer)} |"
         for status, answer in operation["responses"].items()
     ]
     return "\n".join(parts) + "\n"

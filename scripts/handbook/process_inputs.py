@@ -20,10 +20,10 @@ def process_reference(process: ProcessDescription) -> str:
         f"`GET /v1/processes/{process.id}` answers with the same.\n",
         f"**{process.title}.** {process.description}\n",
         "### Inputs in full\n",
-        property_table(schema, link),
+        property_table(schema, link, definitions),
     ]
     for name in named_in({key: value for key, value in schema.items() if key != "$defs"}, definitions):
-        table = property_table(definitions[name], link)
+        table = property_table(definitions[name], link, definitions)
         parts += [f"({anchor(process.id, name)})=\n### {name}\n", f"{definitions[name].get('description', '')}\n", table]
     parts += ["### Outputs\n", _outputs(process)]
     return "\n".join(parts)

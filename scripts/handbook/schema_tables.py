@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 Schema = Mapping[str, Any]
@@ -25,12 +26,16 @@ LIMITS = {
 FILLERS = {"Ignored", "Ignored; OGC clients may send a media type"}  # keys that a link may carry and nobody reads
 
 
-def property_table(schema: Schema, link: Link) -> str:
-    """One row per property. Empty if the schema has none."""
+def property_table(schema: Schema, link: Link, definitions: Mapping[str, Schema] = MappingProxyType({})) -> str:
+    """One row per property, what must be given first. Empty if the schema has none.
+
+    definitions: those the properties refer to; their words stand in for missing ones, what they have by default is left out."""
     required = set(schema.get("required", ()))
+    properties = sorted(schema.get("properties", {}).items(), key=lambda pair: pair[0] not in required)
     rows = [
-        f"| `{name}` | {_cell(type_of(value, link))} | {_default(name, value, required)} | {_meaning(value)} |"
-        for name, value in schema.get("properties", {}).items()
+        f"| `{name}` | {_cell(type_of(value, link))} | {_default(name, value, required, definitions)} "
+        f"| {_meaning(value, definitions)} |"
+        for name, value in properties
         if value.get("description") not in FILLERS
     ]
     return "\n".join(["| key | takes | default | meaning |", "|---|---|---|---|", *rows]) + "\n" if rows else ""
@@ -101,17 +106,39 @@ def _limits(schema: Schema) -> Iterator[str]:
             continue
         if value is not None:
             strict = key in ("minimum", "maximum") and schema.get("exclusive" + key.capitalize()) is True
-            yield words.replace("≥", ">" if strict else "≥").replace("≤", "<" if strict else "≤").format(f"{value:,}")
+            yield (
+                words.replace("≥", ">" if strict else "≥")
+                .replace("≤", "<" if strict else "≤")
+                .format(f"{value:,}".removesuffix(".0"))
+            )
 
 
-def _default(name: str, schema: Schema, required: set[str]) -> str:
+def _default(name: str, schema: Schema, required: set[str], definitions: Mapping[str, Schema]) -> str:
     if name in required:
         return "**required**"
-    return _code(schema["default"]) if "default" in schema else ""
+    if "default" not in schema:
+        return ""
+    return _code(_told(schema["default"], _referred(schema, definitions)))
 
 
-def _meaning(schema: Schema) -> str:
-    return _cell(schema.get("description", ""))
+def _told(default: Any, definition: Schema) -> Any:
+    """What of a default does not follow from the defaults of its parts."""
+    if isinstance(default, list):
+        return [_told(item, definition) for item in default]
+    if isinstance(default, dict):
+        own = {name: part.get("default", part) for name, part in definition.get("properties", {}).items()}
+        return {key: value for key, value in default.items() if key not in own or own[key] != value}
+    return default
+
+
+def _referred(schema: Schema, definitions: Mapping[str, Schema]) -> Schema:
+    """The definition a property, or what is listed in it, is made of; empty if there is none, or more than one."""
+    names = list(_references(schema))
+    return definitions.get(names[0], {}) if len(names) == 1 else {}
+
+
+def _meaning(schema: Schema, definitions: Mapping[str, Schema]) -> str:
+    return _cell(schema.get("description") or _referred(schema, definitions).get("description", ""))
 
 
 def _cell(text: str) -> str:
