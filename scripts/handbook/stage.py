@@ -13,6 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 TOP_PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "client/README.md")
 COPIED = {".md", ".png", ".svg", ".jpg", ".webp"}
 SITE = Path("docs/site")  # configuration and start page, which lies at the root of the site
+UNITS = "%|mm³|mm²|mm|cm³|cm²|m|ms|s|min|h|MB|MiB|kB|GB|°|faces"
+NUMBER_AND_UNIT = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:\W|$))")  # a line of a narrow table cell must not end between them
 LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((?!https?://|mailto:|#|/)([^)#\s]+)(#[^)\s]*)?\)")
 
 
@@ -34,12 +36,17 @@ def stage(folder: Path) -> None:
         page.parent.mkdir(parents=True, exist_ok=True)
         page.write_text(text, encoding="utf-8")
     for page in sorted(folder.rglob("*.md")):
-        page.write_text(_without_source_links(page, folder), encoding="utf-8")
+        page.write_text(_with_units_kept(_without_source_links(page, folder)), encoding="utf-8")
 
 
 def _copy(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(source, target)
+
+
+def _with_units_kept(text: str) -> str:
+    """In tables a number and its unit stay on one line."""
+    return "\n".join(NUMBER_AND_UNIT.sub("\u00a0", line) if line.startswith("|") else line for line in text.split("\n"))
 
 
 def _without_source_links(page: Path, folder: Path) -> str:

@@ -42,6 +42,17 @@ def test_page_of_a_process_has_every_input_of_its_schema(site: Path, process: st
         assert f'<span class="pre">{output}</span>' in reference
 
 
+def test_a_default_is_told_without_what_its_parts_have_anyway(site: Path) -> None:
+    page = (site / "docs" / "processes" / "prepare.html").read_text(encoding="utf-8")
+    words = re.sub(r"<[^>]+>", "", page.partition('id="inputs-in-full"')[2])
+    assert "keep_largest&quot;, &quot;min_piece_share" not in words
+    assert "[{&quot;name&quot;: &quot;fat&quot;, &quot;depth_mm&quot;: 1.0}" in words
+
+
+def test_numbers_in_tables_are_not_parted_from_their_units(site: Path) -> None:
+    assert "0.0503\u00a0mm" in (site / "README.html").read_text(encoding="utf-8")
+
+
 def test_every_route_is_in_the_http_reference(site: Path) -> None:
     routes = set(re.findall(r'^    "(/[^"]*)": \{$', (ROOT / "openapi" / "openapi.json").read_text(), flags=re.MULTILINE))
     written = "".join(page.read_text(encoding="utf-8") for page in (site / "docs" / "http").glob("*.html"))
