@@ -70,11 +70,12 @@ def cut(mesh: Mesh, plane: Plane) -> tuple[Contour, ...]:
     Source:   marching over the edge graph; no tolerance anywhere."""
     heights = (mesh.vertices - plane.origin) @ plane.normal
     above = heights >= 0.0
-    corners_above = above[mesh.faces]
-    crossed = np.flatnonzero(corners_above.any(axis=1) & ~corners_above.all(axis=1))
+    first, second, third = above[mesh.faces.T]  # corner by corner: reductions over rows of three take ten times as long
+    crossed = np.flatnonzero((first != second) | (second != third))
     if not len(crossed):
         return ()
-    starts, ends = _directed_segments(mesh.faces[crossed].astype(np.int64), corners_above[crossed], len(mesh.vertices))
+    faces = mesh.faces[crossed].astype(np.int64)
+    starts, ends = _directed_segments(faces, above[faces], len(mesh.vertices))
     keys, joined = np.unique(np.concatenate([starts, ends]), return_inverse=True)
     low, high = np.divmod(keys, len(mesh.vertices))
     weights = heights[low] / (heights[low] - heights[high])
