@@ -57,8 +57,9 @@ def smooth(surfaces: Mapping[str, Mesh], inputs: SmoothInputs, run: RunContext =
 
     Needs:    manifold, oriented surfaces, open or closed, free of self-intersection and `min_gap_mm` apart.
     Promises: exactly free of self-intersection; same vertices, and same faces unless edges are flipped; vertices outside the
-              regions, and on rims, keep their float32 coordinates; no face turns over in a step; with `stop` `quality` the lowest
-              quality does not fall; what lay in what still does; coordinates exact in float32; same input, same bytes.
+              regions, and on rims, keep their float32 coordinates; none goes farther than `max_shift_mm`; no face turns over in
+              a step; with `stop` `quality` the lowest quality does not fall; what lay in what still does; coordinates exact in
+              float32; same input, same bytes.
     Raises:   InputError `surface.*`, `surfaces.too_close`, `region.outside_mesh`; InternalError `smooth.not_proven`.
     Source:   thesis 3.4; Vollmer et al. 1999; Taubin 1995; method in docs/algorithms/smoothing.md.
     """
@@ -127,6 +128,9 @@ def _prove(
         stay[journeys[name].state.chosen] = False
         if (mesh.vertices[stay] != originals[name].vertices[stay]).any():
             broken.append(f"{name} moved where it may not")
+        farthest = float(np.linalg.norm(mesh.vertices - originals[name].vertices, axis=1).max())
+        if inputs.max_shift_mm is not None and farthest > inputs.max_shift_mm:
+            broken.append(f"a vertex of {name} is {farthest:.6g} mm from where it was")
     trees = {name: FaceTree.of(mesh.vertices, mesh.faces) for name, mesh in meshes.items()}
     for a, b in combinations(trees, 2):
         gap = smallest_gap_between(trees[a], trees[b]).distance_mm

@@ -8,8 +8,9 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.errors import InputError
+from core.errors import InputError, InternalError
 from core.geometry.clearance import Clearance, MovingSurface
+from core.geometry.deviation import measure_deviation
 from core.geometry.distance import smallest_gap
 from core.geometry.exact_intersection import find_intersecting_faces, find_intersecting_faces_between
 from core.geometry.normals import face_crosses
@@ -338,6 +339,26 @@ def test_no_vertex_goes_farther_than_allowed():
     mesh = rough(sphere(10.0, 3), 0.2)
     result = smoothed(mesh, method="standard", stop="iterations", max_shift_mm=0.05)
     assert 0.049 < result.shift_mm.max() <= 0.05
+    # without flips no point between the vertices goes farther than they do
+    assert max(result.deviation_mm.max(), result.original_deviation_mm.max()) <= 0.05
+    assert measure_deviation(result.original, result.mesh).maximum_mm <= 0.05
+
+
+def test_with_flips_vertices_keep_to_what_is_allowed_and_the_surface_is_told_apart():
+    mesh = rough(torus(10.0, 4.0, 60, 24), 0.02)
+    result = smoothed(mesh, method="standard", stop="iterations", max_shift_mm=0.2, retriangulate=True)
+    told = result.changes[0]
+    assert told["edges_flipped"] > 0
+    assert 0.19 < result.shift_mm.max() <= 0.2
+    assert told["largest_shift_mm"] == pytest.approx(result.shift_mm.max(), rel=1e-4)
+    assert told["max_deviation_mm"] == pytest.approx(max(result.deviation_mm.max(), result.original_deviation_mm.max()), rel=1e-4)
+
+
+def test_a_vertex_that_went_too_far_is_not_handed_out(monkeypatch):
+    monkeypatch.setattr("core.smoothing.proposal._hold_near", lambda *_: None)
+    with pytest.raises(InternalError, match="from where it was") as error:
+        smoothed(rough(sphere(10.0, 3), 0.2), method="standard", stop="iterations", max_shift_mm=0.05)
+    assert error.value.code == "smooth.not_proven"
 
 
 def test_flips_stay_inside_the_region():
