@@ -79,6 +79,11 @@ class GuardedConnection(HttpToolsProtocol):
             self._be_patient()
         super().on_message_begin()
 
+    def on_body(self, body: bytes) -> None:
+        if not self.cycle.body:  # what is added to no bytes is not copied, what is added to uvicorn's empty bytearray is
+            self.cycle.body = b""  # type: ignore[assignment]
+        super().on_body(body)
+
     def on_headers_complete(self) -> None:
         self._in_head = False
         self._end_patience()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -32,24 +32,26 @@ class PartialFile:
         os.ftruncate(self._handle, size)
         self.size = size
 
-    def append(self, piece: bytes) -> None:
+    def append(self, chunks: Sequence[bytes]) -> None:
         """Raises LimitError `storage.full`."""
-        write_at(self._handle, piece, self.size)
-        self.size += len(piece)
+        self.size = write_at(self._handle, chunks, self.size)
 
     def sync(self) -> None:
         """Only after this may anybody be told that the bytes are here."""
         os.fdatasync(self._handle)
 
 
-def write_at(handle: int, piece: bytes, place: int) -> None:
-    """All of it, into an open file. Raises LimitError `storage.full`."""
-    view = memoryview(piece)
+def write_at(handle: int, chunks: Sequence[bytes], place: int) -> int:
+    """All of them, one behind the other, into an open file; returns where they end. Raises LimitError `storage.full`."""
+    left: Sequence[bytes | memoryview] = chunks
+    end = place + sum(map(len, chunks))
     try:
-        while view:
-            written = os.pwrite(handle, view, place)
+        while place < end:
+            written = os.pwritev(handle, left, place)
             place += written
-            view = view[written:]
+            if place < end:
+                left = [memoryview(b"".join(left))[written:]]
+        return end
     except OSError as error:
         if error.errno in _NO_ROOM:
             raise LimitError("storage.full", f"The disk is full after {place} bytes of the upload") from error

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
+import hashlib
+from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 
 from starlette.concurrency import run_in_threadpool
 
+from api.one_behind import OneBehind
 from api.partial_file import partial_file
 from api.request_body import RequestBody
 from api.services import Services
@@ -50,38 +53,40 @@ class Receiving:
 
     async def _receive(self, target: UploadTarget, upload: Upload) -> Upload:
         digest = self._checksum.new_digest() if self._checksum is not None else None
-        begun_at = upload.received
-        keeping: asyncio.Task[Upload] | None = None
+        arrived = begun_at = upload.received
+        writing, keeping = OneBehind(), OneBehind()
         try:
-            async for piece in self._body.pieces():
-                if target.received + len(piece) > upload.length:
+            async for chunks in self._body.pieces():
+                arrived = upload.received + self._body.size
+                if arrived > upload.length:
                     raise LimitError(
                         "upload.too_large", f"{upload.length} bytes were announced, more are coming", length=upload.length
                     )
-                if digest is not None:
-                    digest.update(piece)
-                await run_in_threadpool(target.append, piece)
-                if digest is None and target.received - begun_at >= target.kept_every_bytes:
-                    if keeping is not None:
-                        await keeping
-                    begun_at = target.received
-                    keeping = asyncio.create_task(run_in_threadpool(target.seal()))
+                await writing.done()
+                writing.start(partial(_append, target, digest, chunks))
+                if digest is None and arrived - begun_at >= target.kept_every_bytes:
+                    begun_at = arrived
+                    await writing.done()
+                    await keeping.done()
+                    keeping.start(target.seal())
+            await writing.done()
+            await keeping.done()
         except InputError:  # the client went away: what came counts, unless it was to be checked
-            if keeping is not None:
-                await keeping  # what lies behind bytes that were lost does not count
+            await writing.done()
+            await keeping.done()  # what lies behind bytes that were lost does not count
             if digest is None:
                 await run_in_threadpool(target.seal())
             raise
-        finally:
-            await _done(keeping)  # before anybody closes the file
-        if keeping is not None:
-            await keeping
+        finally:  # before anybody closes the file
+            await writing.over()
+            await keeping.over()
         if self._checksum is not None and digest is not None:
             self._checksum.require(digest)
         return await run_in_threadpool(target.seal())
 
 
-async def _done(task: asyncio.Task[Upload] | None) -> None:
-    """Over, well or not."""
-    if task is not None:
-        await asyncio.wait([task])
+def _append(target: UploadTarget, digest: hashlib._Hash | None, chunks: Sequence[bytes]) -> None:
+    if digest is not None:
+        for chunk in chunks:
+            digest.update(chunk)
+    target.append(chunks)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -62,7 +62,7 @@ async def receive_file(
             form = _Form(target, limit_bytes, {**dict.fromkeys(_FIELDS, MAX_FIELD_BYTES), **more_fields})
             parser = MultipartParser(options.get(b"boundary", b""), form.callbacks())
             async for piece in body.pieces():
-                await run_in_threadpool(parser.write, piece)
+                await run_in_threadpool(_parse, parser, piece)
             return form.result(path)
     except FormParserError as error:
         await body.drain()
@@ -75,6 +75,11 @@ async def receive_file(
             raise
         await body.drain()
         raise LimitError("storage.full", f"The disk is full after {body.size} bytes of the upload", size=body.size) from error
+
+
+def _parse(parser: MultipartParser, chunks: Iterable[bytes]) -> None:
+    for chunk in chunks:
+        parser.write(chunk)
 
 
 def _too_large(limit_bytes: int, said: str) -> LimitError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -30,7 +30,7 @@ class UploadTarget(Protocol):
         """Forget what was written behind the bytes that count. Raises StateError `upload.elsewhere`."""
         ...
 
-    def append(self, piece: bytes) -> None:
+    def append(self, chunks: Sequence[bytes]) -> None:
         """Raises LimitError `storage.full`."""
         ...
 
@@ -75,9 +75,9 @@ class HostFile:
             )
         self._file.cut(self._upload.received)
 
-    def append(self, piece: bytes) -> None:
+    def append(self, chunks: Sequence[bytes]) -> None:
         """As `UploadTarget` says."""
-        self._file.append(piece)
+        self._file.append(chunks)
         self.received = self._file.size
 
     def seal(self) -> Callable[[], Upload]:
@@ -119,12 +119,11 @@ class StoredParts:
     def begin(self) -> None:
         """Nothing is left of other requests."""
 
-    def append(self, piece: bytes) -> None:
+    def append(self, chunks: Sequence[bytes]) -> None:
         """As `UploadTarget` says."""
         if self._spool is None:
             self._spool = cast("BinaryIO", TemporaryFile(dir=self._folder, buffering=0))  # noqa: SIM115 - `_keep` or `close`
-        write_at(self._spool.fileno(), piece, self.received - self._begins_at)
-        self.received += len(piece)
+        self.received = self._begins_at + write_at(self._spool.fileno(), chunks, self.received - self._begins_at)
 
     def seal(self) -> Callable[[], Upload]:
         """As `UploadTarget` says."""
