@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_text import CONTACT_FORM, read_contact_region
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ReportOption, SkinArgument, UnitOption
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import given, run_process
 
 
 def register(app: typer.Typer) -> None:
@@ -43,15 +41,12 @@ def detach(
     report: ReportOption = None,
 ) -> None:
     """Set parts of a body apart where they touch: arms and torso, fingers, thighs."""
-    options = options_of(ctx)
-    given: dict[str, Any] = {"gap_mm": gap, "pieces": pieces, "narrowing": narrowing, "max_contact_cm2": max_contact}
-    inputs: dict[str, Any] = {"regions": [read_contact_region(text) for text in region]}
-    inputs |= {key: value for key, value in given.items() if value is not None}
-    wanted = Wanted({} if output is None else {"skin": output}, report)
-    wanted.require_room()
+    inputs = given(
+        regions=[read_contact_region(text) for text in region],
+        gap_mm=gap,
+        pieces=pieces,
+        narrowing=narrowing,
+        max_contact_cm2=max_contact,
+    )
     require_mesh(skin)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["skin"] = refer_to(session, view, skin, unit)
-        raise typer.Exit(run_to_end(session, options, "detach", inputs, wanted))
+    run_process(ctx, "detach", inputs, Wanted.of(report, skin=output), lambda sending: {"skin": sending.mesh(skin, unit)})

@@ -6,12 +6,10 @@ from typing import Annotated, Any
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_inputs import read_layer_inputs
 from integument.cli.layer_text import BOX_FORM, read_box
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
     BlendOption,
     CanalOption,
@@ -29,7 +27,7 @@ from integument.cli.options import (
     UnitOption,
 )
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import Sending, given, run_process
 from integument.errors import ArgumentError
 
 AUTO = "auto"
@@ -62,7 +60,6 @@ def ears(
     report: ReportOption = None,
 ) -> None:
     """Build nested shells that are thinner in the ears, and cut ear canals."""
-    options = options_of(ctx)
     inputs = read_layer_inputs(
         layer=layer,
         outer_layer=outer_layer,
@@ -75,17 +72,13 @@ def ears(
         generate_canals=generate_canals,
     )
     inputs["ears"] = read_ears(boxes or [AUTO])
-    wanted = Wanted({} if output is None else {"package": output}, report)
-    wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]
     require_mesh(skin)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["skin"] = refer_to(session, view, skin, unit)
-            if canals:
-                inputs["canals"] = [refer_to(session, view, mesh, unit) for mesh in canals]
-        raise typer.Exit(run_to_end(session, options, "ears", inputs, wanted))
+
+    def send(sending: Sending) -> dict[str, Any]:
+        return given(skin=sending.mesh(skin, unit), canals=[sending.mesh(mesh, unit) for mesh in canals] or None)
+
+    run_process(ctx, "ears", inputs, Wanted.of(report, package=output), send)
 
 
 def read_ears(texts: list[str]) -> str | list[dict[str, Any]]:

@@ -9,11 +9,9 @@ from typing import Annotated, Any
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_inputs import read_layer_inputs
 from integument.cli.mesh_argument import name_meshes, require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
     ConductivityOption,
     LayerOption,
@@ -28,7 +26,7 @@ from integument.cli.options import (
     UnitOption,
 )
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import Sending, given, run_process
 from integument.errors import ArgumentError
 
 
@@ -54,7 +52,6 @@ def shells(
     report: ReportOption = None,
 ) -> None:
     """Build nested shells inside a skin, proven free of intersections."""
-    options = options_of(ctx)
     inputs = read_layer_inputs(
         layer=layer,
         outer_layer=outer_layer,
@@ -64,14 +61,8 @@ def shells(
         skin_shift=skin_shift,
         conductivity=conductivity,
     )
-    wanted = Wanted({} if output is None else {"package": output}, report)
-    wanted.require_room()
     require_mesh(skin)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["skin"] = refer_to(session, view, skin, unit)
-        raise typer.Exit(run_to_end(session, options, "shells", inputs, wanted))
+    run_process(ctx, "shells", inputs, Wanted.of(report, package=output), lambda sending: {"skin": sending.mesh(skin, unit)})
 
 
 def validate(
@@ -84,16 +75,12 @@ def validate(
     report: ReportOption = None,
 ) -> None:
     """Check meshes: closed, manifold, outward, free of intersections, nested, apart."""
-    options = options_of(ctx)
-    wanted = Wanted(report_html=report)
-    wanted.require_room()
     named = name_meshes([require_mesh(mesh) for mesh in meshes])
-    inputs: dict[str, Any] = {} if min_gap is None else {"min_gap_mm": min_gap}
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["meshes"] = {name: refer_to(session, view, mesh, unit) for name, mesh in named.items()}
-        raise typer.Exit(run_to_end(session, options, "validate", inputs, wanted))
+
+    def send(sending: Sending) -> dict[str, Any]:
+        return {"meshes": {name: sending.mesh(mesh, unit) for name, mesh in named.items()}}
+
+    run_process(ctx, "validate", given(min_gap_mm=min_gap), Wanted.of(report), send)
 
 
 def run(
@@ -106,12 +93,8 @@ def run(
     report: ReportOption = None,
 ) -> None:
     """Run any process with inputs from a JSON file."""
-    options = options_of(ctx)
     wanted = Wanted(dict(_read_output(text) for text in output or ()), report)
-    wanted.require_room()
-    document = read_inputs(inputs)
-    with connect(options) as session:
-        raise typer.Exit(run_to_end(session, options, process, document, wanted))
+    run_process(ctx, process, read_inputs(inputs), wanted, lambda _sending: {})
 
 
 def _read_output(text: str) -> tuple[str, Path]:

@@ -8,16 +8,14 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from integument.cli.app import options_of
 from integument.cli.column_words import split_columns
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ReportOption, UnitOption
 from integument.cli.placement_file import read_placement
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
-from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
+from integument.cli.process_run import Sending, given, run_process
+from integument.cli.surfaces_argument import read_surfaces
 from integument.errors import ArgumentError
 from integument.surface_processes import Unit
 
@@ -78,35 +76,31 @@ def fields(
     report: ReportOption = None,
 ) -> None:
     """Bring the field of a solver onto surfaces: a value per triangle, numbers, pictures, files; the coil beside it."""
-    options = options_of(ctx)
     surfaces, field = _read_files(files)
-    if placement is not None and coil is None:
+    if coil is not None:
+        require_mesh(coil)
+    elif placement is not None:
         raise ArgumentError("--placement says where the coil stands: name it with --coil")
-    given: dict[str, Any] = {
-        "columns": None if columns is None else split_columns(columns),
-        "data": data,
-        "field_unit": field_unit,
-        "method": method,
-        "neighbours": neighbours,
-        "max_distance_mm": max_distance,
-        "inward_mm": inward,
-        "not_finite": "leave_out" if leave_out_nan else None,
-        "only": only or None,
-    }
-    inputs = {key: value for key, value in given.items() if value is not None}
     matrix = None if placement is None else read_placement(placement)
-    wanted = Wanted({} if output is None else {_output_of(output): output}, report)
-    wanted.require_room()
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs |= refer_to_surfaces(session, view, surfaces, unit)
-            inputs["field"] = refer_to(session, view, field, field_length_unit or unit)
-            if coil is not None:
-                inputs["coil"] = {"file": refer_to(session, view, require_mesh(coil), "mm")}
-                if matrix is not None:
-                    inputs["coil"]["placement"] = matrix
-        raise typer.Exit(run_to_end(session, options, "fields", inputs, wanted))
+    inputs = given(
+        columns=None if columns is None else split_columns(columns),
+        data=data,
+        field_unit=field_unit,
+        method=method,
+        neighbours=neighbours,
+        max_distance_mm=max_distance,
+        inward_mm=inward,
+        not_finite="leave_out" if leave_out_nan else None,
+        only=only or None,
+    )
+
+    def send(sending: Sending) -> dict[str, Any]:
+        sent = sending.surfaces(surfaces, unit) | {"field": sending.mesh(field, field_length_unit or unit)}
+        if coil is not None:
+            sent["coil"] = given(file=sending.mesh(coil, "mm"), placement=matrix)
+        return sent
+
+    run_process(ctx, "fields", inputs, Wanted.of(report, **_wanted_of(output)), send)
 
 
 def _read_files(files: Sequence[str]) -> tuple[Any, str]:
@@ -115,5 +109,5 @@ def _read_files(files: Sequence[str]) -> tuple[Any, str]:
     return read_surfaces(list(files[:-1])), require_mesh(files[-1])
 
 
-def _output_of(path: Path) -> str:
-    return {".msh": "msh", ".csv": "statistics"}.get(path.suffix.lower(), "fields")
+def _wanted_of(path: Path | None) -> dict[str, Path]:
+    return {} if path is None else {{".msh": "msh", ".csv": "statistics"}.get(path.suffix.lower(), "fields"): path}

@@ -7,14 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_text import BOX_FORM, read_box
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ReportOption, UnitOption
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import Sending, given, run_process
 
 
 def register(app: typer.Typer) -> None:
@@ -38,19 +36,12 @@ def graft(
     report: ReportOption = None,
 ) -> None:
     """Set regions of a donor into a base and join them to one closed surface."""
-    options = options_of(ctx)
-    inputs: dict[str, Any] = {"regions": [read_box(text) for text in region]}
-    if seam is not None:
-        inputs["seam_mm"] = seam
-    if max_distance is not None:
-        inputs["max_distance_mm"] = max_distance
-    wanted = Wanted({} if output is None else {"mesh": output}, report)
-    wanted.require_room()
+    inputs = given(regions=[read_box(text) for text in region], seam_mm=seam, max_distance_mm=max_distance)
     for mesh in (base, donor):
         require_mesh(mesh)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["base"] = refer_to(session, view, base, unit)
-            inputs["donor"] = inputs["base"] if donor == base else refer_to(session, view, donor, unit)
-        raise typer.Exit(run_to_end(session, options, "graft", inputs, wanted))
+
+    def send(sending: Sending) -> dict[str, Any]:
+        sent = sending.mesh(base, unit)
+        return {"base": sent, "donor": sent if donor == base else sending.mesh(donor, unit)}
+
+    run_process(ctx, "graft", inputs, Wanted.of(report, mesh=output), send)

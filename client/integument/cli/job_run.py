@@ -28,6 +28,11 @@ class Wanted:
     outputs: Mapping[str, Path] = field(default_factory=dict)
     report_html: Path | None = None
 
+    @classmethod
+    def of(cls, report_html: Path | None, **outputs: Path | None) -> Wanted:
+        """Of outputs without a place nothing is kept."""
+        return cls({name: path for name, path in outputs.items() if path is not None}, report_html)
+
     def require_room(self) -> None:
         """Raises: ArgumentError if a folder is missing, before hours of work are spent."""
         for path in [*self.outputs.values(), *([self.report_html] if self.report_html else [])]:

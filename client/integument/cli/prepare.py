@@ -7,13 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from integument.cli.app import options_of
 from integument.cli.ears import read_ears
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_inputs import read_layer_inputs
 from integument.cli.layer_text import BOX_FORM, read_box, read_volumes
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import (
     BlendOption,
     CanalOption,
@@ -33,7 +31,7 @@ from integument.cli.options import (
     UnitOption,
 )
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import Sending, given, run_process
 from integument.cli.tissue_text import read_pairs
 from integument.errors import ArgumentError
 
@@ -111,7 +109,6 @@ def prepare(
     report: ReportOption = None,
 ) -> None:
     """Prepare a model: heal, decimate, detach, smooth, ears, layers, tissues, proof, tetrahedra, package; in one job."""
-    options = options_of(ctx)
     if not tetrahedra and (mesher or radius_edge is not None or max_volume or volume is not None):
         raise ArgumentError(
             "--mesher, --radius-edge, --max-volume and --volume are about tetrahedra; they do not go with --no-tetrahedra"
@@ -146,29 +143,24 @@ def prepare(
     if asked := _tetrahedra(mesher, radius_edge, max_volume or []):
         inputs["tetrahedra"] = asked
     files = {"package": output, "vtu" if volume and volume.suffix == ".vtu" else "msh": volume, "steps": record}
-    wanted = Wanted({name: path for name, path in files.items() if path is not None}, report)
-    wanted.require_room()
     canals = [require_mesh(mesh) for mesh in canal or ()]
     tissues = {name: require_mesh(mesh) for name, mesh in read_pairs(tissue or (), "--tissue", TISSUE_FORM).items()}
     about = _about_tissues(tissues, inside or [])
     require_mesh(skin)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["skin"] = refer_to(session, view, skin, unit)
-            if canals:
-                inputs["canals"] = [refer_to(session, view, mesh, unit) for mesh in canals]
-            if tissues:
-                inputs["tissues"] = [
-                    {"name": name, "mesh": refer_to(session, view, mesh, unit), **about[name]} for name, mesh in tissues.items()
-                ]
-        raise typer.Exit(run_to_end(session, options, "prepare", inputs, wanted))
+
+    def send(sending: Sending) -> dict[str, Any]:
+        return given(
+            skin=sending.mesh(skin, unit),
+            canals=[sending.mesh(mesh, unit) for mesh in canals] or None,
+            tissues=[{"name": name, "mesh": sending.mesh(mesh, unit), **about[name]} for name, mesh in tissues.items()] or None,
+        )
+
+    run_process(ctx, "prepare", inputs, Wanted.of(report, **files), send)
 
 
 def _tetrahedra(mesher: str | None, radius_edge: float | None, max_volume: list[str]) -> dict[str, Any]:
-    asked: dict[str, Any] = {} if mesher is None else {"mesher": mesher}
-    asked |= {} if radius_edge is None else {"radius_edge": radius_edge or None}
-    return asked | ({"max_volume_mm3": read_volumes(max_volume)} if max_volume else {})
+    asked = given(mesher=mesher, max_volume_mm3=read_volumes(max_volume) or None)
+    return asked if radius_edge is None else asked | {"radius_edge": radius_edge or None}
 
 
 def _about_tissues(tissues: dict[str, str], inside: list[str]) -> dict[str, dict[str, Any]]:

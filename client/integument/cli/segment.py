@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_text import read_inside, read_label_names
 from integument.cli.mesh_argument import require_mesh
-from integument.cli.mesh_reference import refer_to
 from integument.cli.options import ConductivityOption, PackageOption, ReportOption
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
+from integument.cli.process_run import given, run_process
 from integument.cli.tissue_text import read_conductivities
 
 
@@ -60,25 +58,18 @@ def segment(
     report: ReportOption = None,
 ) -> None:
     """Make closed surfaces of the labels of a volume, kept apart by a gap."""
-    options = options_of(ctx)
-    given: dict[str, Any] = {
-        "names": read_label_names(name or []) or None,
-        "others": others,
-        "islands": islands,
-        "min_island_mm3": min_island,
-        "cavities": cavities,
-        "inside": read_inside(inside or []) or None,
-        "smoothing": smoothing,
-        "faces_share": faces_share,
-        "min_gap_mm": min_gap,
-        "conductivities_s_per_m": read_conductivities(conductivity or []) or None,
-    }
-    inputs = {key: value for key, value in given.items() if value is not None}
-    wanted = Wanted({} if output is None else {"package": output}, report)
-    wanted.require_room()
+    inputs = given(
+        names=read_label_names(name or []) or None,
+        others=others,
+        islands=islands,
+        min_island_mm3=min_island,
+        cavities=cavities,
+        inside=read_inside(inside or []) or None,
+        smoothing=smoothing,
+        faces_share=faces_share,
+        min_gap_mm=min_gap,
+        conductivities_s_per_m=read_conductivities(conductivity or []) or None,
+    )
     require_mesh(volume)
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs["volume"] = refer_to(session, view, volume, "mm")
-        raise typer.Exit(run_to_end(session, options, "segment", inputs, wanted))
+    wanted = Wanted.of(report, package=output)
+    run_process(ctx, "segment", inputs, wanted, lambda sending: {"volume": sending.mesh(volume, "mm")})

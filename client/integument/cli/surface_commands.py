@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from integument.cli.app import options_of
-from integument.cli.job_run import Wanted, run_to_end
+from integument.cli.job_run import Wanted
 from integument.cli.layer_text import (
     BOX_FORM,
     RATIO_FORM,
@@ -30,8 +29,8 @@ from integument.cli.options import (
     VolumeOption,
 )
 from integument.cli.process_command import add_process_command
-from integument.cli.session import connect
-from integument.cli.surfaces_argument import read_surfaces, refer_to_surfaces
+from integument.cli.process_run import given, run_process
+from integument.cli.surfaces_argument import read_surfaces
 from integument.cli.tissue_text import read_conductivities
 from integument.errors import ArgumentError
 from integument.surface_processes import Unit
@@ -76,7 +75,7 @@ def heal(
     report: ReportOption = None,
 ) -> None:
     """Make defective surfaces closed, manifold and free of self-intersection, with the smallest change."""
-    inputs = _given(
+    inputs = given(
         conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         pieces=pieces,
         min_piece_share=min_piece_share,
@@ -117,12 +116,14 @@ def decimate(
     report: ReportOption = None,
 ) -> None:
     """Thin surfaces out where they are flattest, one or a whole package together."""
-    given = [
+    targets = [
         name for name, value in (("--ratio", ratio), ("--faces", faces), ("--max-deviation", max_deviation)) if value is not None
     ]
-    if len(given) != 1:
-        raise ArgumentError(f"exactly one of --ratio, --faces and --max-deviation is wanted, got {' and '.join(given) or 'none'}")
-    inputs = _given(
+    if len(targets) != 1:
+        raise ArgumentError(
+            f"exactly one of --ratio, --faces and --max-deviation is wanted, got {' and '.join(targets) or 'none'}"
+        )
+    inputs = given(
         conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         target_ratio=ratio,
         target_faces=faces,
@@ -163,7 +164,7 @@ def smooth(
     report: ReportOption = None,
 ) -> None:
     """Better triangles or less noise, without self-intersection."""
-    inputs = _given(
+    inputs = given(
         conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         method=method,
         iterations=iterations,
@@ -200,7 +201,7 @@ def separate(
     report: ReportOption = None,
 ) -> None:
     """Open a thin gap between surfaces that cross or touch, moving them as little as possible."""
-    inputs = _given(
+    inputs = given(
         conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         fixed=fixed or None,
         priority=read_priorities(priority or []) or None,
@@ -229,7 +230,7 @@ def tetrahedralize(
     report: ReportOption = None,
 ) -> None:
     """Fill closed surfaces with tetrahedra, one region per tissue."""
-    inputs = _given(
+    inputs = given(
         conductivities_s_per_m=read_conductivities(conductivity or []) or None,
         mesher=mesher,
         max_volume_mm3=read_volumes(max_volume or []) or None,
@@ -238,11 +239,6 @@ def tetrahedralize(
     if radius_edge is not None:
         inputs["radius_edge"] = radius_edge or None
     _run(ctx, "tetrahedralize", surfaces, unit, inputs, output, report, "vtu" if output and output.suffix == ".vtu" else "msh")
-
-
-def _given(**inputs: Any) -> dict[str, Any]:
-    """What was typed; the server's defaults hold for the rest."""
-    return {name: value for name, value in inputs.items() if value is not None}
 
 
 def _run(
@@ -255,12 +251,6 @@ def _run(
     report: Path | None,
     output_name: str | None = None,
 ) -> None:
-    options = options_of(ctx)
     surfaces = read_surfaces(texts)
-    wanted = Wanted({} if output is None else {output_name or surfaces.output: output}, report)
-    wanted.require_room()
-    with connect(options) as session:
-        view = options.progress_view()
-        with view:
-            inputs |= refer_to_surfaces(session, view, surfaces, unit)
-        raise typer.Exit(run_to_end(session, options, process, inputs, wanted))
+    wanted = Wanted.of(report, **{output_name or surfaces.output: output})
+    run_process(ctx, process, inputs, wanted, lambda sending: sending.surfaces(surfaces, unit))
