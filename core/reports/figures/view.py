@@ -12,7 +12,8 @@ from core.geometry.normals import vertex_normals
 from core.mesh import Mesh
 
 Floats = NDArray[np.float64]
-NO_FACE = -1
+Depths = NDArray[np.float32]
+NOTHING = np.float32(-np.inf)  # depth of a sample where nothing is
 LOWEST_BIT = np.uint8(1)  # set in every channel: the eye sees no difference, and the PNG takes a fifth less
 SAMPLES = 2  # pixels are drawn 2 x 2 and averaged
 AMBIENT = 0.45
@@ -79,15 +80,20 @@ class Surface:
 class Raster:
     """What a view sees of a surface, row 0 at the top, SAMPLES times as fine as the picture.
 
-    projected: (V, 3) column, row and depth of the vertices. face: (H, W) int32, NO_FACE where nothing is.
-    depth: (H, W) float64 mm towards the viewer, of samples that have a face.
+    projected: (V, 3) column, row and depth of the vertices, from the nearest one on. depth: (H, W) mm from that towards the
+    viewer, NOTHING where nothing is. face: (H, W) int32, of samples where there is something.
     """
 
     view: View
     surface: Surface
     projected: Floats
+    nearest_mm: float
     face: NDArray[np.int32]
-    depth: Floats
+    depth: Depths
+
+    def covered(self) -> NDArray[np.bool_]:
+        """True for samples that show a face, (H, W)."""
+        return self.depth > NOTHING
 
     def paint(self, face_colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Opaque picture (H/SAMPLES, W/SAMPLES, 4) of faces in colours (F, 3), on white; lit from above the viewer's left
@@ -106,10 +112,9 @@ class Raster:
         columns, rows = np.floor(self.view.to_samples(points)).astype(np.int64).T
         height, width = self.face.shape
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-        rows, columns = rows[inside], columns[inside]
-        before = (points[inside] @ self.view.toward) >= self.depth[rows, columns] - slack_mm
+        depth = self.depth[rows[inside], columns[inside]] + self.nearest_mm
         visible = np.zeros(len(points), dtype=np.bool_)
-        visible[inside] = before | (self.face[rows, columns] == NO_FACE)
+        visible[inside] = (points[inside] @ self.view.toward) >= depth - slack_mm
         return visible
 
 
@@ -118,15 +123,15 @@ class Scratch:
 
     def __init__(self) -> None:
         self._face = np.empty(0, dtype=np.int32)
-        self._depth = np.empty(0, dtype=np.float64)
+        self._depth = np.empty(0, dtype=np.float32)
 
-    def of(self, height: int, width: int) -> tuple[NDArray[np.int32], Floats]:
-        """Samples without a face and room for their depths, (height, width); what was given before is overwritten."""
+    def of(self, height: int, width: int) -> tuple[NDArray[np.int32], Depths]:
+        """Room for faces, and depths of nothing, (height, width); what was given before is overwritten."""
         count = height * width
         if len(self._face) < count:
-            self._face, self._depth = np.empty(count, dtype=np.int32), np.empty(count)
+            self._face, self._depth = np.empty(count, dtype=np.int32), np.empty(count, dtype=np.float32)
         face, depth = self._face[:count].reshape(height, width), self._depth[:count].reshape(height, width)
-        face.fill(NO_FACE)  # depths of such samples are never read
+        depth.fill(NOTHING)
         return face, depth
 
 
@@ -134,10 +139,12 @@ def look(surface: Surface, view: View, scratch: Scratch | None = None) -> Raster
     """What the view sees of the surface; with scratch the answer holds until the next look with it."""
     width, height = (max(1, round(float(size) * view.pixels_per_mm)) * SAMPLES for size in view.high - view.low)
     vertices, faces = surface.mesh.vertices, surface.mesh.faces
-    projected = np.column_stack([view.to_samples(vertices), vertices @ view.toward])
+    towards = vertices @ view.toward
+    nearest_mm = float(towards.max(initial=-np.inf)) if len(towards) else 0.0
+    projected = np.column_stack([view.to_samples(vertices), towards - nearest_mm])
     face, depth = (scratch or Scratch()).of(height, width)
     _draw_faces(projected, faces, _stride(projected, faces, face.shape), face, depth)
-    return Raster(view, surface, projected, face, depth)
+    return Raster(view, surface, projected, nearest_mm, face, depth)
 
 
 def _stride(projected: Floats, faces: NDArray[np.int32], shape: tuple[int, ...]) -> int:
@@ -162,44 +169,60 @@ def _count_tried(projected: Floats, faces: NDArray[np.int32], height: int, width
 
 @njit(cache=True, nogil=True)
 def _draw_faces(
-    projected: Floats, faces: NDArray[np.int32], stride: int, face_of_sample: NDArray[np.int32], depth_of_sample: Floats
+    projected: Floats, faces: NDArray[np.int32], stride: int, face_of_sample: NDArray[np.int32], depth_of_sample: Depths
 ) -> None:
-    """Write the nearest face and its depth to every sample it covers; the lower face number wins a tie.
+    """Write the nearest face and its depth to every sample it covers; of several as near the first drawn stays.
 
-    projected (V, 3): column, row, depth. faces (F, 3), every stride-th is drawn. face_of_sample (H, W),
+    First all faces that are seen from in front, then those from behind: of a closed surface these are hidden already.
+    projected (V, 3): column, row, depth. faces (F, 3), every stride-th is drawn. face_of_sample (H, W): out,
     depth_of_sample (H, W): in and out."""
     height, width = face_of_sample.shape
-    for f in range(0, len(faces), stride):
-        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-        ax, ay, az = projected[a, 0], projected[a, 1], projected[a, 2]
-        bx, by, bz = projected[b, 0] - ax, projected[b, 1] - ay, projected[b, 2] - az
-        cx, cy, cz = projected[c, 0] - ax, projected[c, 1] - ay, projected[c, 2] - az
-        doubled = bx * cy - cx * by
-        if doubled == 0.0:
-            continue
-        left = max(0, int(np.ceil(ax + min(0.0, bx, cx) - 0.5)))
-        right = min(width - 1, int(np.floor(ax + max(0.0, bx, cx) - 0.5)))
-        top = max(0, int(np.ceil(ay + min(0.0, by, cy) - 0.5)))
-        bottom = min(height - 1, int(np.floor(ay + max(0.0, by, cy) - 0.5)))
-        step_b, step_c = cy / doubled, -by / doubled  # of the weights of the corners from column to column
-        for row in range(top, bottom + 1):
-            y = row + 0.5 - ay
-            row_b, row_c = -cx * y / doubled, bx * y / doubled
-            row_depth, step_depth = az + row_b * bz + row_c * cz, step_b * bz + step_c * cz
-            first, last, rim = left, right, right - left + 1
-            if right - left >= WIDE_FACE:
-                first, last = _span(left, right, row_b, step_b, row_c, step_c, ax)
-                rim = SPAN_RIM
-            for column in range(first, last + 1):
-                x = column + 0.5 - ax
-                if column - first < rim or last - column < rim:
-                    weight_b, weight_c = row_b + x * step_b, row_c + x * step_c
-                    if weight_b < 0.0 or weight_c < 0.0 or weight_b + weight_c > 1.0:
-                        continue
-                depth = row_depth + x * step_depth
-                if face_of_sample[row, column] == NO_FACE or depth > depth_of_sample[row, column]:
-                    depth_of_sample[row, column] = depth
-                    face_of_sample[row, column] = f
+    for behind in (False, True):
+        for f in range(0, len(faces), stride):
+            a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+            ax, ay, az = projected[a, 0], projected[a, 1], projected[a, 2]
+            bx, by, bz = projected[b, 0] - ax, projected[b, 1] - ay, projected[b, 2] - az
+            cx, cy, cz = projected[c, 0] - ax, projected[c, 1] - ay, projected[c, 2] - az
+            doubled = bx * cy - cx * by  # rows run downwards, so of a face seen from in front this is negative
+            if doubled == 0.0 or (doubled > 0.0) != behind:
+                continue
+            left = max(0, int(np.ceil(ax + min(0.0, bx, cx) - 0.5)))
+            right = min(width - 1, int(np.floor(ax + max(0.0, bx, cx) - 0.5)))
+            top = max(0, int(np.ceil(ay + min(0.0, by, cy) - 0.5)))
+            bottom = min(height - 1, int(np.floor(ay + max(0.0, by, cy) - 0.5)))
+            if left > right or top > bottom:
+                continue
+            nearest = np.float32(az + max(0.0, bz, cz))
+            share = 1.0 / doubled
+            step_b, step_c = cy * share, -by * share  # of the weights of the corners from column to column
+            for row in range(top, bottom + 1):
+                hidden = behind
+                if behind:
+                    for column in range(left, right + 1):
+                        hidden &= depth_of_sample[row, column] >= nearest
+                if hidden:
+                    continue
+                y = row + 0.5 - ay
+                row_b, row_c = -cx * y * share, bx * y * share
+                row_depth, step_depth = az + row_b * bz + row_c * cz, step_b * bz + step_c * cz
+                first, last, rim = left, right, right - left + 1
+                if right - left >= WIDE_FACE:
+                    first, last = _span(left, right, row_b, step_b, row_c, step_c, ax)
+                    rim = SPAN_RIM
+                entered = False
+                for column in range(first, last + 1):
+                    x = column + 0.5 - ax
+                    if column - first < rim or last - column < rim:
+                        weight_b, weight_c = row_b + x * step_b, row_c + x * step_c
+                        if weight_b < 0.0 or weight_c < 0.0 or weight_b + weight_c > 1.0:
+                            if entered:
+                                break
+                            continue
+                    entered = True
+                    depth = np.float32(row_depth + x * step_depth)
+                    if depth > depth_of_sample[row, column]:
+                        depth_of_sample[row, column] = depth
+                        face_of_sample[row, column] = f
 
 
 @njit(cache=True, nogil=True)
@@ -236,55 +259,46 @@ def _light_of_faces(projected: Floats, faces: NDArray[np.int32], brightness: Flo
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _is_outline(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
-    """True on the near side of a step in depth between neighbouring samples; face, depth: (H, W)."""
+def _is_outline(depth: Depths, row: int, column: int, jump_mm: float) -> bool:
+    """True on the near side of a step in depth (H, W) between neighbouring samples."""
     height, width = depth.shape
     limit = depth[row, column] - jump_mm
     return bool(
-        (row > 0 and (face[row - 1, column] == NO_FACE or depth[row - 1, column] < limit))
-        or (row < height - 1 and (face[row + 1, column] == NO_FACE or depth[row + 1, column] < limit))
-        or (column > 0 and (face[row, column - 1] == NO_FACE or depth[row, column - 1] < limit))
-        or (column < width - 1 and (face[row, column + 1] == NO_FACE or depth[row, column + 1] < limit))
+        (row > 0 and depth[row - 1, column] < limit)
+        or (row < height - 1 and depth[row + 1, column] < limit)
+        or (column > 0 and depth[row, column - 1] < limit)
+        or (column < width - 1 and depth[row, column + 1] < limit)
     )
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _is_calm(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
-    """True if no sample of the pixel that begins there can be on an outline: none around is empty or much deeper."""
+def _is_calm(depth: Depths, row: int, column: int, jump_mm: float) -> bool:
+    """True if no sample of the pixel that begins there can be on an outline: nothing around is much deeper."""
     height, width = depth.shape
     if row == 0 or column == 0 or row + SAMPLES >= height or column + SAMPLES >= width:
         return False
     nearest = farthest = depth[row, column]
-    empty = False
     for y in range(row - 1, row + SAMPLES + 1):
         for x in range(column - 1, column + SAMPLES + 1):
-            empty |= face[y, x] == NO_FACE
             nearest, farthest = max(nearest, depth[y, x]), min(farthest, depth[y, x])
-    return not empty and farthest >= nearest - jump_mm
+    return bool(farthest >= nearest - jump_mm)
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _is_plain(face: NDArray[np.int32], depth: Floats, row: int, column: int, jump_mm: float) -> bool:
-    """True if the pixel that begins there and all samples around it show one face, and that is not steep."""
-    height, width = depth.shape
-    if row == 0 or column == 0 or row + SAMPLES >= height or column + SAMPLES >= width:
-        return False
-    f = face[row, column]
+def _is_one_face(face: NDArray[np.int32], row: int, column: int) -> bool:
+    """True if all samples of the pixel that begins there show the same face."""
     others = 0
-    for y in range(row - 1, row + SAMPLES + 1):
-        for x in range(column - 1, column + SAMPLES + 1):
-            others += face[y, x] != f
-    if others or f == NO_FACE:
-        return False
-    here = depth[row, column]
-    return bool(abs(depth[row, column + 1] - here) <= jump_mm and abs(depth[row + 1, column] - here) <= jump_mm)
+    for y in range(row, row + SAMPLES):
+        for x in range(column, column + SAMPLES):
+            others += face[y, x] != face[row, column]
+    return others == 0
 
 
 @njit(cache=True, nogil=True)
 def _paint(
     light_of_faces: Floats,
     face_of_sample: NDArray[np.int32],
-    depth: Floats,
+    depth: Depths,
     jump_mm: float,
     face_colours: NDArray[np.uint8],
     picture: NDArray[np.uint8],
@@ -296,27 +310,27 @@ def _paint(
             first_row, first_column = y * SAMPLES, x * SAMPLES
             shown = 0
             for sample in range(SAMPLES * SAMPLES):
-                shown += face_of_sample[first_row + sample // SAMPLES, first_column + sample % SAMPLES] != NO_FACE
+                shown += depth[first_row + sample // SAMPLES, first_column + sample % SAMPLES] > NOTHING
             if not shown:
                 picture[y, x, 0] = picture[y, x, 1] = picture[y, x, 2] = 255
                 continue
-            if _is_plain(face_of_sample, depth, first_row, first_column, jump_mm):
+            calm = _is_calm(depth, first_row, first_column, jump_mm)
+            if calm and _is_one_face(face_of_sample, first_row, first_column):
                 f, row, column = face_of_sample[first_row, first_column], first_row + 0.5 * SAMPLES, first_column + 0.5 * SAMPLES
                 # light changes evenly along a face: its mean over the samples is that in the middle of the pixel
                 light = light_of_faces[f, 0] + light_of_faces[f, 1] * column + light_of_faces[f, 2] * row
                 for channel in range(3):
                     picture[y, x, channel] = np.uint8(face_colours[f, channel] * light + 0.5) | LOWEST_BIT
                 continue
-            calm = _is_calm(face_of_sample, depth, first_row, first_column, jump_mm)
             red = green = blue = 0.0
             for sample in range(SAMPLES * SAMPLES):
                 row, column = first_row + sample // SAMPLES, first_column + sample % SAMPLES
-                f = face_of_sample[row, column]
-                if f == NO_FACE:
+                if depth[row, column] == NOTHING:
                     red, green, blue = red + 255.0, green + 255.0, blue + 255.0
                     continue
+                f = face_of_sample[row, column]
                 light = light_of_faces[f, 0] + light_of_faces[f, 1] * (column + 0.5) + light_of_faces[f, 2] * (row + 0.5)
-                if not calm and _is_outline(face_of_sample, depth, row, column, jump_mm):
+                if not calm and _is_outline(depth, row, column, jump_mm):
                     light *= OUTLINE_SHADE
                 red += face_colours[f, 0] * light
                 green += face_colours[f, 1] * light

@@ -5,9 +5,9 @@ import pytest
 
 from core.mesh import Mesh
 from core.reports.figures import view as view_module
-from core.reports.figures.view import NO_FACE, SAMPLES, Scratch, Surface, View, look
+from core.reports.figures.view import NOTHING, SAMPLES, Scratch, Surface, View, look
 from subjects.body import body
-from tests.solids import cube, sphere, together
+from tests.solids import cube, flipped, sphere, together, without_faces
 
 
 def straight_down(half: float, pixels: int) -> View:
@@ -17,17 +17,17 @@ def straight_down(half: float, pixels: int) -> View:
 def test_a_sphere_covers_a_disc_and_is_nearest_in_its_middle():
     raster = look(Surface.of(sphere(10.0, 5)), straight_down(12.5, 200))
     per_mm = 200 * SAMPLES / 25.0
-    assert (raster.face != NO_FACE).sum() / per_mm**2 == pytest.approx(np.pi * 100, rel=5e-3)
-    depth = np.where(raster.face != NO_FACE, raster.depth, -np.inf)
-    assert depth.max() == pytest.approx(10.0, abs=0.01)
-    assert np.unravel_index(depth.argmax(), depth.shape) == pytest.approx((200, 200), abs=3)
+    assert raster.covered().sum() / per_mm**2 == pytest.approx(np.pi * 100, rel=5e-3)
+    assert raster.nearest_mm == pytest.approx(10.0, abs=0.01)
+    assert raster.depth.max() == pytest.approx(0.0, abs=0.01)
+    assert np.unravel_index(raster.depth.argmax(), raster.depth.shape) == pytest.approx((200, 200), abs=3)
 
 
 def test_depth_is_exact_on_a_plane():
     slope = Mesh.of([[-9, -9, -9], [9, -9, 9], [9, 9, 9], [-9, 9, -9]], [[0, 1, 2], [0, 2, 3]])
     raster = look(Surface.of(slope), straight_down(5.0, 50))
     columns = (np.arange(raster.depth.shape[1]) + 0.5) / (50 * SAMPLES / 10.0) - 5.0
-    np.testing.assert_allclose(raster.depth, np.broadcast_to(columns, raster.depth.shape), atol=1e-9)
+    np.testing.assert_allclose(raster.depth + raster.nearest_mm, np.broadcast_to(columns, raster.depth.shape), atol=1e-5)
 
 
 def test_the_nearer_shape_hides_the_other_and_its_places():
@@ -57,11 +57,10 @@ def test_paint_shows_the_colours_of_the_faces_on_white():
 def test_compiled_and_plain_kernels_agree():
     mesh = sphere(10.0, 2)
     raster = look(Surface.of(mesh), straight_down(12.5, 20))
-    face, depth = np.full_like(raster.face, NO_FACE), np.zeros_like(raster.depth)
+    face, depth = np.zeros_like(raster.face), np.full_like(raster.depth, NOTHING)
     view_module._draw_faces.py_func(raster.projected, mesh.faces, 1, face, depth)
-    np.testing.assert_array_equal(face, raster.face)
-    seen = face != NO_FACE
-    np.testing.assert_array_equal(depth[seen], raster.depth[seen])
+    np.testing.assert_array_equal(depth, raster.depth)
+    np.testing.assert_array_equal(face[raster.covered()], raster.face[raster.covered()])
     colours = np.arange(len(mesh.faces) * 3, dtype=np.uint8).reshape(-1, 3)
     brightness, picture = np.linspace(0.4, 1.0, len(mesh.vertices)), np.empty((20, 20, 4), dtype=np.uint8)
     compiled = picture.copy()
@@ -92,15 +91,26 @@ def test_a_step_in_depth_gets_a_line_on_its_near_side():
     assert abs(row[43] - row[45]) < 5  # and nothing inside of it
 
 
+def test_faces_seen_from_behind_show_where_nothing_hides_them():
+    closed, low = sphere(10.0, 3), straight_down(12.5, 60)
+    inside_out = look(Surface.of(flipped(closed)), low)
+    np.testing.assert_array_equal(inside_out.covered(), look(Surface.of(closed), low).covered())
+    np.testing.assert_allclose(inside_out.depth, look(Surface.of(closed), low).depth, atol=1e-5)
+    top_off = without_faces(closed, np.flatnonzero(closed.triangles().mean(axis=1)[:, 2] > 5.0))
+    raster = look(Surface.of(top_off), low)
+    assert raster.covered()[60, 60]
+    assert raster.depth[60, 60] + raster.nearest_mm == pytest.approx(-10.0, abs=0.1)
+
+
 def test_wide_faces_cover_what_their_halves_cover():
     corners = np.array([[-9.3, -7.1, 0], [8.7, -9.9, 0], [9.9, 8.2, 0], [-8.1, 9.6, 0], [0.4, -0.3, 0]])
     fan = Mesh.of(corners, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
-    wide = look(Surface.of(fan), straight_down(10.0, 150)).face != NO_FACE
+    wide = look(Surface.of(fan), straight_down(10.0, 150)).covered()
     middles = [(corners[a] + corners[b]) / 2 for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))]
     points, faces = [*corners, *middles], []
     for number, (a, b) in enumerate(((0, 1), (1, 2), (2, 3), (3, 0))):
         faces += [[a, 5 + number, 4], [5 + number, b, 4]]
-    halved = look(Surface.of(Mesh.of(points, faces)), straight_down(10.0, 150)).face != NO_FACE
+    halved = look(Surface.of(Mesh.of(points, faces)), straight_down(10.0, 150)).covered()
     assert wide.sum() > 30_000
     assert (wide != halved).sum() <= 4  # samples on an edge, but for rounding
 
