@@ -15,6 +15,7 @@ from core.processes.software import software_versions
 from core.processes.tissue_filling import (
     draw_elements,
     fill_tissues,
+    find_other_mesher,
     least_gap,
     mesher_version,
     region_reports,
@@ -24,6 +25,8 @@ from core.processes.tissue_filling import (
     tetrahedra_summary,
     write_volume,
 )
+from core.processes.validate import METHODS as VALIDATE_METHODS
+from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.compose import draw_mesh_figures
 from core.run import RunContext
 from core.schema.finding import Severity
@@ -55,7 +58,15 @@ def run_tetrahedralize(
     write.advance(1.0)
     run.stage("figures", 0.9, 1.0)
     regions = region_reports(volume, tissues)
-    report = _surface_report(inputs, source, before, tetrahedra_summary(volume, regions)).model_copy(update={"regions": regions})
+    report = _surface_report(inputs, source, before, tetrahedra_summary(volume, regions)).model_copy(
+        update={
+            "regions": regions,
+            "findings": (*before.findings, *find_other_mesher(inputs, volume)),
+            "methods": tetrahedra_methods(inputs, volume.mesher),
+            "references": tetrahedra_references(volume.mesher),
+            "software": {**software_versions(), **mesher_version(volume.mesher)},
+        }
+    )
     figures = (
         *draw_mesh_figures(source.meshes, pairs=before.pairs, findings=before.findings),
         draw_elements(volume, tissues),
@@ -82,6 +93,7 @@ def _tissues(source: LoadedSurfaces, before: Validation) -> tuple[Tissue, ...]:
 
 
 def _surface_report(inputs: TetrahedralizeInputs, source: LoadedSurfaces, before: Validation, summary: str) -> Report:
+    """Of the surfaces alone."""
     return Report(
         process="tetrahedralize",
         verdict=before.verdict,
@@ -91,8 +103,8 @@ def _surface_report(inputs: TetrahedralizeInputs, source: LoadedSurfaces, before
         nesting=before.nesting,
         findings=before.findings,
         changes=source.changes,
-        methods=tetrahedra_methods(inputs),
-        references=tetrahedra_references(inputs),
+        methods=VALIDATE_METHODS,
+        references=VALIDATE_REFERENCES,
         parameters={**inputs.model_dump(mode="json", exclude={"mesh", "meshes", "package"}), **source.sources},
-        software={**software_versions(), **mesher_version(inputs)},
+        software=software_versions(),
     )

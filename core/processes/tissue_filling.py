@@ -19,11 +19,13 @@ from core.processes.validate import REFERENCES as VALIDATE_REFERENCES
 from core.reports.figures.element_histogram import draw_element_histogram
 from core.reports.figures.figure import Figure
 from core.reports.palette import tissue_colours
+from core.schema.finding import Finding, Severity
 from core.schema.report import RegionReport
 from core.schema.tetrahedralize import TetrahedraParameters
 from core.tetrahedra.element_quality import quality, radius_ratio, smallest_dihedral_deg, volumes
 from core.tetrahedra.fill import fill
-from core.tetrahedra.volume_mesh import VolumeMesh
+from core.tetrahedra.tetgen_ways import WAYS
+from core.tetrahedra.volume_mesh import Mesher, VolumeMesh
 from core.validation.validate import Validation
 
 METHODS = (
@@ -99,22 +101,33 @@ def tetrahedra_summary(volume: VolumeMesh, regions: Mapping[str, RegionReport]) 
     )
 
 
-def tetrahedra_methods(asked: TetrahedraParameters) -> str:
-    """Citable; numbers are those of `tetrahedra_references`."""
-    if asked.mesher == "gmsh":
+def find_other_mesher(asked: TetrahedraParameters, volume: VolumeMesh) -> tuple[Finding, ...]:
+    """What a reader should know if TetGen was asked first, and gmsh filled the tissues."""
+    if asked.mesher != "auto" or volume.mesher == "tetgen":
+        return ()
+    told = (
+        f"TetGen gave up on these surfaces in all {len(WAYS)} ways to ask it, so gmsh filled them; the proof is the same, "
+        "`radius_edge` is not kept"
+    )
+    return (Finding(code="tetrahedra.by_gmsh", severity=Severity.INFO, message=told, count=1),)
+
+
+def tetrahedra_methods(asked: TetrahedraParameters, mesher: Mesher) -> str:
+    """Citable; numbers are those of `tetrahedra_references`. mesher: who made them."""
+    if mesher == "gmsh":
         return METHODS.format(mesher="gmsh", shape=" by Delaunay refinement, as fine as the surfaces around")
     ratio = f" with a ratio of circumradius to shortest edge of at most {asked.radius_edge or 0:g} where the surfaces allow it"
     return METHODS.format(mesher="TetGen", shape="" if asked.radius_edge is None else ratio)
 
 
-def tetrahedra_references(asked: TetrahedraParameters) -> tuple[str, ...]:
+def tetrahedra_references(mesher: Mesher) -> tuple[str, ...]:
     """Of the checks, and of the mesher."""
-    return (*VALIDATE_REFERENCES, GMSH_REFERENCE if asked.mesher == "gmsh" else TETGEN_REFERENCE)
+    return (*VALIDATE_REFERENCES, GMSH_REFERENCE if mesher == "gmsh" else TETGEN_REFERENCE)
 
 
-def mesher_version(asked: TetrahedraParameters) -> dict[str, str]:
+def mesher_version(mesher: Mesher) -> dict[str, str]:
     """Its name and version, for the list of software."""
-    return {asked.mesher: version(asked.mesher)}
+    return {mesher: version(mesher)}
 
 
 def draw_elements(volume: VolumeMesh, tissues: Sequence[Tissue]) -> Figure:

@@ -16,10 +16,10 @@ RADIUS_EDGE = 2.0
 class TetrahedraParameters(FrozenModel):
     """Who makes tetrahedra, and how fine and how well shaped they are to be."""
 
-    mesher: Literal["tetgen", "gmsh"] = Field(
-        "tetgen",
+    mesher: Literal["auto", "tetgen", "gmsh"] = Field(
+        "auto",
         description="Both keep the surfaces as they are. TetGen is faster; gmsh leaves far fewer flat tetrahedra, and fills some "
-        "sets that TetGen gives up on",
+        "sets that TetGen gives up on. `auto`: TetGen, and gmsh for those; the report says who made them",
     )
     radius_edge: float | None = Field(
         RADIUS_EDGE,

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import InputError
+from core.errors import InputError, IntegumentError
 from core.geometry.point_within import find_points_within
 from core.mesh import Mesh
 from core.tetrahedra.forked import Filling
@@ -18,9 +18,10 @@ from core.tetrahedra.regions import spread_regions
 from core.tetrahedra.spaces import find_pieces, find_spaces
 from core.tetrahedra.tetgen import Facets
 from core.tetrahedra.tetgen_ways import fill_facets
-from core.tetrahedra.volume_mesh import VolumeMesh
+from core.tetrahedra.volume_mesh import Mesher, VolumeMesh
 
-Mesher = Literal["tetgen", "gmsh"]
+AskedMesher = Literal["auto", Mesher]
+GIVEN_UP = ("tetrahedra.refused", "tetrahedra.not_proven")
 FIRST_REGION = 1  # TetGen takes 0 for none
 
 
@@ -29,13 +30,14 @@ def fill(
     nesting: Mapping[str, str | None],
     *,
     gap_mm: float,
-    mesher: Mesher = "tetgen",
+    mesher: AskedMesher = "auto",
     radius_edge: float | None = None,
     largest_mm3: Mapping[str, float] | None = None,
 ) -> VolumeMesh:
     """Tetrahedra in all tissues, no vertex added on a surface.
 
     Needs:    surfaces closed, outward, free of intersections, `gap_mm` apart; nesting: name -> the surface around it.
+              mesher: `auto` is TetGen, and gmsh where TetGen gives up.
               radius_edge: for TetGen, largest ratio of circumradius to shortest edge, where the surfaces allow it; None: as they
               fall. largest_mm3: name -> largest tetrahedron of that tissue, likewise.
     Promises: every face of every surface is a face of tetrahedra; all are right-handed; the volumes of each tissue add up to that
@@ -48,14 +50,31 @@ def fill(
     vertices = np.vstack([mesh.vertices for mesh in surfaces.values()])
     limits = largest_mm3 or {}
     if mesher == "gmsh":
-        return _proven(_by_gmsh(vertices, surfaces, nesting, limits), surfaces, nesting)
-    return _by_tetgen(vertices, surfaces, nesting, gap_mm, radius_edge, limits)
+        return _by_gmsh(vertices, surfaces, nesting, limits)
+    try:
+        return _by_tetgen(vertices, surfaces, nesting, gap_mm, radius_edge, limits)
+    except IntegumentError as refusal:
+        if refusal.code not in GIVEN_UP:
+            raise
+        if mesher == "tetgen":
+            raise _with(refusal, "`mesher` gmsh may fill them") from refusal
+        try:
+            return _by_gmsh(vertices, surfaces, nesting, limits)
+        except IntegumentError as again:
+            raise _with(refusal, f"Then gmsh was asked: {again.message}") from again
 
 
-def _proven(made: Filling, surfaces: Mapping[str, Mesh], nesting: Mapping[str, str | None]) -> VolumeMesh:
+def _with(refusal: IntegumentError, more: str) -> IntegumentError:
+    """The same refusal with more words."""
+    told = type(refusal)(refusal.code, f"{refusal.message} {more}")
+    told.facts = refusal.facts
+    return told
+
+
+def _proven(made: Filling, mesher: Mesher, surfaces: Mapping[str, Mesh], nesting: Mapping[str, str | None]) -> VolumeMesh:
     """The tetrahedra in tissues; what is left is the air in cavities of the outermost."""
     known = (made.region >= 0) & (made.region < len(surfaces))
-    volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), made.region[known])
+    volume = VolumeMesh(made.nodes, np.ascontiguousarray(made.tetrahedra[known], dtype=np.int32), made.region[known], mesher)
     prove_filled(volume, surfaces, nesting)
     return volume
 
@@ -65,10 +84,11 @@ def _by_gmsh(
     surfaces: Mapping[str, Mesh],
     nesting: Mapping[str, str | None],
     limits: Mapping[str, float],
-) -> Filling:
+) -> VolumeMesh:
     pieces = find_pieces(surfaces)
     largest = {number: limits[name] for number, name in enumerate(surfaces) if name in limits}
-    return run_gmsh(vertices, pieces, find_spaces(vertices, pieces, surfaces, nesting), largest)
+    made = run_gmsh(vertices, pieces, find_spaces(vertices, pieces, surfaces, nesting), largest)
+    return _proven(made, "gmsh", surfaces, nesting)
 
 
 def _by_tetgen(
@@ -88,7 +108,7 @@ def _by_tetgen(
 
     def finish(made: Filling) -> VolumeMesh:
         number = spread_regions(made.nodes, made.tetrahedra, made.region, faces) - np.int32(FIRST_REGION)
-        return _proven(Filling(made.nodes, made.tetrahedra, number), surfaces, nesting)
+        return _proven(Filling(made.nodes, made.tetrahedra, number), "tetgen", surfaces, nesting)
 
     return fill_facets(Facets(vertices, faces, points, region + FIRST_REGION, largest), switches, finish)
 

@@ -45,7 +45,7 @@ def fill_facets(facets: Facets, switches: str, finish: Callable[[Filling], T]) -
     try:
         return finish(_fill(facets, switches, WAYS[-1]))
     except InputError as error:
-        words = f"{error.message} That was the last of {len(WAYS)} ways to ask it; `mesher` gmsh may fill them"
+        words = f"{error.message} That was the last of {len(WAYS)} ways to ask it."
         refused = InputError(error.code, words)
         refused.facts = error.facts
         raise refused from error

@@ -21,7 +21,7 @@ def test_a_null_that_is_not_the_default_is_kept(api: Live, mesh_href: str) -> No
     asked = api.client.get(f"/v1/jobs/{job}/inputs").json()["inputs"]
     assert asked == {
         "mesh": {"href": mesh_href},
-        "mesher": "tetgen",
+        "mesher": "auto",
         "radius_edge": None,
         "conductivities_s_per_m": {},
         "max_volume_mm3": {},

@@ -57,8 +57,11 @@ ConductivityOption: TypeAlias = Annotated[
     typer.Option(metavar="NAME=S/M", help="Conductivity of a tissue, in place of the default of its name; repeat."),
 ]
 MesherOption: TypeAlias = Annotated[
-    Literal["tetgen", "gmsh"] | None,
-    typer.Option(help="Who makes the tetrahedra; default tetgen. gmsh takes longer and leaves fewer flat ones."),
+    Literal["auto", "tetgen", "gmsh"] | None,
+    typer.Option(
+        help="Who makes the tetrahedra; default auto: tetgen, and gmsh where that gives up. gmsh takes longer and leaves fewer "
+        "flat ones."
+    ),
 ]
 MinGapOption: TypeAlias = Annotated[
     float | None, typer.Option(metavar="MM", help="Smallest distance allowed between two surfaces; default is the server's.")

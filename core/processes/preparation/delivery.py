@@ -27,6 +27,8 @@ from core.schema.report import RegionReport, Report
 from core.tetrahedra.volume_mesh import VolumeMesh
 from core.validation.validate import Validation
 
+STEPS_THAT_TELL = ("ears", "layers", "tetrahedra")  # their findings are of the result, not of what was still to be changed
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Prepared:
@@ -108,7 +110,6 @@ def _report(made: Prepared, log: StepLog) -> Report:
     steps = log.reports()
     methods, references = joined_methods(steps)
     order = [tissue.name for tissue in made.tissues]
-    filled = made.inputs.tetrahedra
     return Report(
         process="prepare",
         verdict=made.validation.verdict,
@@ -120,14 +121,14 @@ def _report(made: Prepared, log: StepLog) -> Report:
         nesting=made.validation.nesting,
         findings=(
             *made.validation.findings,
-            *(finding for step in steps if step.name in ("ears", "layers") for finding in step.findings),
+            *(finding for step in steps if step.name in STEPS_THAT_TELL for finding in step.findings),
         ),
         changes=made.changes,
         steps=steps,
         methods=methods,
         references=references,
         parameters=dict(made.parameters),
-        software={**software_versions(), **({} if filled is None or made.volume is None else mesher_version(filled))},
+        software={**software_versions(), **({} if made.volume is None else mesher_version(made.volume.mesher))},
     )
 
 

@@ -10,6 +10,7 @@ from core.processes.preparation.step_log import STEPS, StepLog
 from core.processes.tissue_filling import (
     draw_elements,
     fill_tissues,
+    find_other_mesher,
     region_reports,
     tetrahedra_methods,
     tetrahedra_references,
@@ -51,8 +52,9 @@ def fill_all(
                 "regions": len(regions),
                 "vertices added": len(volume.vertices) - sum(len(mesh.vertices) for mesh in surfaces.values()),
             },
-            methods=tetrahedra_methods(asked),
-            references=tetrahedra_references(asked),
+            findings=find_other_mesher(asked, volume),
+            methods=tetrahedra_methods(asked, volume.mesher),
+            references=tetrahedra_references(volume.mesher),
         ),
         draw=lambda _surfaces: (draw_elements(volume, tissues),),
     )

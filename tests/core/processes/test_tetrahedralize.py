@@ -10,6 +10,7 @@ from core.package.build import build_package
 from core.schema.tetrahedralize import TetrahedralizeInputs
 from tests.core.package.nested import figures, report, tissues
 from tests.core.processes.test_surface_processes import executed, href, of_one, of_package, stored
+from tests.core.tetrahedra.refused_by_tetgen import tetgen_refuses
 from tests.gmsh_reader import sizes_in_gmsh
 from tests.solids import cube, sphere, without_faces
 
@@ -60,6 +61,20 @@ def test_the_report_has_a_row_per_tissue(done):
     assert mesher in done["report"].methods.lower()
 
 
+def test_the_report_says_that_gmsh_stood_in_for_tetgen(tmp_path):
+    surfaces, _nesting = tetgen_refuses()
+    entries = stored(tmp_path, surfaces)
+    inputs = {"meshes": {name: {"href": href(number)} for number, name in enumerate(surfaces)}}
+    report = executed("tetrahedralize", tmp_path, inputs, entries)["report"]
+    assert report.verdict == "simulation_ready"
+    assert [finding.code for finding in report.findings if finding.code.startswith("tetrahedra.")] == ["tetrahedra.by_gmsh"]
+    assert "gmsh" in report.software
+    assert "tetgen" not in report.software
+    assert "by gmsh [3]" in report.methods
+    assert "Gmsh" in report.references[-1]
+    assert report.parameters["mesher"] == "auto"
+
+
 def test_one_surface_alone(tmp_path):
     alone = of_one("tetrahedralize", tmp_path, cube(10.0), radius_edge=None)
     assert alone["report"].regions["mesh"].volume_mm3 == pytest.approx(1000.0)
@@ -81,6 +96,7 @@ def test_unfit_surfaces_are_refused_with_the_faces(tmp_path, meshes, finding):
     assert error.value.code == "tetrahedra.surfaces_unfit"
     assert finding in {found.code for found in error.value.findings}
     assert all(found.places for found in error.value.findings)
+    assert "TetGen" not in error.value.report.methods
     assert error.value.outputs
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import trimesh
 
 from core.errors import InputError, InternalError
 from core.mesh import Mesh
@@ -17,6 +17,7 @@ from core.tetrahedra.prove_filled import expected_volumes, prove_filled
 from core.tetrahedra.regions import spread_regions
 from core.tetrahedra.tetgen import Facets
 from core.tetrahedra.tetgen_ways import Way, fill_facets
+from tests.core.tetrahedra.refused_by_tetgen import tetgen_refuses
 from tests.solids import cube, flipped, sphere, together
 
 SURFACES = {"outer": sphere(10.0, 2), "inner": sphere(8.0, 2), "core": sphere(3.0, 1)}
@@ -89,21 +90,40 @@ def test_a_cavity_belongs_to_the_tissue_around_or_to_nobody(mesher):
     assert volumes(alone.corners()).sum() == pytest.approx(mesh_volume(hollow) - mesh_volume(sphere(2.0, 1)))
 
 
-def test_crossing_surfaces_are_refused_by_name_and_the_caller_lives():
-    crossing = {"a": sphere(5.0, 2), "b": sphere(5.0, 2, at=(4.0, 0.3, 0.2))}
-    with pytest.raises(InputError) as error:
-        fill(crossing, {"a": None, "b": None}, gap_mm=0.5)
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ("tetgen", r"TetGen .* 6 ways to ask it. `mesher` gmsh may fill them"),
+        ("auto", r"TetGen .* 6 ways to ask it. Then gmsh was asked: the tetrahedra made do not pass the proof"),
+    ],
+)
+def test_crossing_surfaces_are_refused_by_name_and_the_caller_lives(asked, words):
+    crossing = {"a": sphere(5.0, 2), "b": sphere(1.5, 2, at=(4.9, 0.0, 0.0))}
+    with pytest.raises(InputError, match=words) as error:
+        fill(crossing, {"a": None, "b": "a"}, gap_mm=0.5, mesher=asked)
     assert error.value.code == "tetrahedra.refused"
 
 
 def test_gmsh_fills_a_flat_side_cut_anyhow_that_tetgen_would_put_a_vertex_on():
-    surfaces = {"box": flat_box_cut_anyhow(seed=9), "ball": sphere(10.0, 2)}
-    nesting = {"box": None, "ball": "box"}
+    surfaces, nesting = tetgen_refuses()
     with pytest.raises(InputError) as error:
+        fill(surfaces, nesting, gap_mm=0.1, mesher="tetgen")
+    assert error.value.code == "tetrahedra.refused"
+    volume = fill(surfaces, nesting, gap_mm=0.1)
+    assert volume.mesher == "gmsh"
+    assert np.unique(volume.region).tolist() == [0, 1]
+
+
+def test_tetgen_is_asked_first():
+    assert fill(SURFACES, NESTING, gap_mm=0.5).mesher == "tetgen"
+
+
+def test_where_gmsh_is_not_there_tetgens_refusal_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gmsh", None)  # so that it cannot be imported
+    surfaces, nesting = tetgen_refuses()
+    with pytest.raises(InputError, match=r"TetGen refuses.*gmsh cannot be used on this server.*apt-get install") as error:
         fill(surfaces, nesting, gap_mm=0.1)
     assert error.value.code == "tetrahedra.refused"
-    assert "6 ways to ask it; `mesher` gmsh may fill them" in str(error.value)
-    assert np.unique(fill(surfaces, nesting, gap_mm=0.1, mesher="gmsh").region).tolist() == [0, 1]
 
 
 def test_what_is_too_thin_for_a_point_is_refused():
@@ -136,26 +156,6 @@ def test_the_proof_finds_what_is_wrong(filled, change, word):
     assert error.value.code == "tetrahedra.not_proven"
 
 
-def flat_box_cut_anyhow(seed: int) -> Mesh:
-    """A tilted box whose flat sides are cut into triangles at random."""
-    random = np.random.default_rng(seed)
-    box = trimesh.creation.box((40.0, 40.0, 40.0)).subdivide().subdivide()
-    vertices, faces = np.array(box.vertices), np.array(box.faces)
-    for _ in range(300):
-        first, corner = random.integers(len(faces)), random.integers(3)
-        a, b, c = np.roll(faces[first], -corner)
-        beside = (np.isin(faces, (a, b)).sum(axis=1) == 2) & (np.arange(len(faces)) != first)
-        second = int(np.flatnonzero(beside)[0])
-        d = next(each for each in faces[second] if each not in (a, b))
-        at = vertices
-        normal = np.cross(at[b] - at[a], at[c] - at[a])
-        turns = [np.cross(at[d] - at[c], at[b] - at[c]) @ normal, np.cross(at[a] - at[c], at[d] - at[c]) @ normal]
-        if min(turns) > 1e-9 and abs(normal @ (at[d] - at[a])) < 1e-9:  # convex and flat: the other diagonal does, too
-            faces[first], faces[second] = (c, d, b), (d, c, a)
-    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
-    return Mesh.of(vertices @ (turn * np.linalg.det(turn)), faces).rounded_to_float32()
-
-
 def mesh_volume(mesh: Mesh) -> float:
     return expected_volumes({"one": mesh}, {"one": None})["one"]
 
@@ -163,7 +163,7 @@ def mesh_volume(mesh: Mesh) -> float:
 def test_what_one_way_refuses_the_next_one_fills(monkeypatch):
     monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5),))
     with pytest.raises(InputError) as error:
-        fill(SURFACES, NESTING, gap_mm=0.5)  # whole spheres are flat to it
+        fill(SURFACES, NESTING, gap_mm=0.5, mesher="tetgen")  # whole spheres are flat to it
     assert error.value.code == "tetrahedra.refused"
     monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5), Way(1e-12)))
     assert np.unique(fill(SURFACES, NESTING, gap_mm=0.5).region).tolist() == [0, 1, 2]
