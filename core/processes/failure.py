@@ -22,7 +22,7 @@ from core.reports.figures.compose import draw_mesh_figures
 from core.run import SILENT
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
-from core.schema.report import Report
+from core.schema.report import FailureReport, Report
 from core.schema.surfaces import SurfaceSubject
 from core.validation.validate import validate
 
@@ -41,6 +41,7 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
     report = looked_at.model_copy(
         update={
             "verdict": "not_ready",
+            "failure": FailureReport(code=error.code, fault=error.fault),
             "summary": error.message,
             "findings": (*findings, *_others(looked_at.findings, findings)),
             **_methods(looked_at),

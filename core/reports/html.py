@@ -10,11 +10,11 @@ from markupsafe import Markup
 
 from core.reports.change_entries import change_entries
 from core.reports.figures.figure import Figure
+from core.reports.prose import headline, verdict_words
 from core.reports.scene.scene import Scene
 from core.reports.scene.viewer import report_viewer
 from core.reports.template import template
 from core.reports.tissue_rows import nesting_lines, tissue_rows
-from core.reports.wording import verdict_words
 from core.schema.finding import Finding, Severity
 from core.schema.processes import PROCESSES
 from core.schema.report import Report, StepReport
@@ -38,7 +38,8 @@ def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None =
         report=report,
         title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
         ready=ready,
-        verdict=verdict_words(report.process, ready),
+        verdict=verdict_words(report.process, ready, report.failure),
+        reason=headline(report.summary) if report.failure else "",
         rows=tissue_rows(report),
         names={*report.meshes, *(place.mesh for finding in report.findings for place in finding.places)},
         nesting=nesting_lines(report),

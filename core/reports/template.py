@@ -6,7 +6,7 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
-from core.reports import wording
+from core.reports import prose, wording
 from core.reports.citations import in_order_of_citation
 from core.reports.facts import heading
 
@@ -45,9 +45,10 @@ def _environment() -> Environment:
         "distance",
         "depth",
         "title_of",
-        "sentence",
     ):
         environment.filters[word] = getattr(wording, word)
+    environment.filters["sentence"] = prose.sentence
+    environment.filters["grouped"] = prose.grouped
     environment.filters["heading"] = heading
     environment.filters["cited"] = in_order_of_citation
     return environment

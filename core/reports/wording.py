@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import Any
 
 from core.schema.report import PairReport, Relation, StepOutcome
@@ -32,18 +31,9 @@ _OUTCOMES: dict[StepOutcome, str] = {
 }
 
 
-_VERDICTS = {"fields": ("Every triangle has a value", "Triangles without a value")}  # of processes that make no surfaces
-
-
-def verdict_words(process: str, ready: bool) -> str:
-    """The verdict as the first line of a report: `Simulation ready`."""
-    good, bad = _VERDICTS.get(process, ("Simulation ready", "Not ready"))
-    return good if ready else bad
-
-
 def whole(value: int | None) -> str:
     """`107 024`."""
-    return NOT_KNOWN if value is None else f"{value:,}".replace(",", THIN_SPACE)
+    return NOT_KNOWN if value is None else f"{value:,}".replace(",", THIN_SPACE).replace("-", "−")
 
 
 def significant(value: float | None, digits: int = 3) -> str:
@@ -52,7 +42,7 @@ def significant(value: float | None, digits: int = 3) -> str:
         return NOT_KNOWN
     if value == 0 or 1e-4 <= abs(value) < 1e9:
         text = f"{value:.{digits}g}"
-        return whole(round(value)) if "e" in text else text.replace("-", "−")
+        return whole(round(value)) if "e" in text or "." not in text else text.replace("-", "−")
     return f"{value:.{digits - 1}e}".replace("-", "−")
 
 
@@ -128,13 +118,6 @@ def title_of(code: str) -> str:
     """`shells.depth_missed` -> `Shells: depth missed`."""
     noun, _, reason = code.replace("_", " ").partition(".")
     return f"{noun[:1].upper()}{noun[1:]}: {reason}" if reason else noun
-
-
-def sentence(text: str, names: Collection[str] = ()) -> str:
-    """As the first words of a page: with a capital unless a name begins it, without the marks of code."""
-    plain = text.replace("`", "")
-    first = plain.split(" ", 1)[0]
-    return plain if first in names or first.endswith(":") else plain[:1].upper() + plain[1:]
 
 
 def outcome(step: StepOutcome) -> str:

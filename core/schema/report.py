@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from core.errors import Fault
 from core.schema.finding import Finding
 from core.schema.model import FrozenModel
 
@@ -188,11 +189,19 @@ class StepReport(FrozenModel):
     checksums: dict[str, str] = Field({}, description="Name of a surface the step took or left -> SHA-256 of its file")
 
 
+class FailureReport(FrozenModel):
+    """Why a job ended without its results."""
+
+    code: str = Field(description="As in the problem and on the page of errors")
+    fault: Fault = Field(description="Whose: that of the request or its files, a limit, or the server's")
+
+
 class Report(FrozenModel):
     """The whole report of a job."""
 
     process: str
     verdict: Verdict
+    failure: FailureReport | None = Field(None, description="null of a job that did what it promises, whatever its verdict")
     summary: str = Field(description="One sentence for people")
     meshes: dict[str, MeshReport] = {}
     pairs: tuple[PairReport, ...] = ()

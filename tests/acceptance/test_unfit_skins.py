@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.mesh import Mesh
-from core.reports.wording import sentence
+from core.reports.prose import sentence
 from subjects.body import body
 from tests.acceptance.service import Service
 from tests.solids import flipped, sphere, together, without_faces

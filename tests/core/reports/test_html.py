@@ -17,7 +17,7 @@ from core.reports.scene import viewer
 from core.reports.scene.scene import make_scene
 from core.reports.scene.viewer import report_viewer
 from core.schema.finding import Finding, Place, Severity
-from core.schema.report import PairReport, Report, ThicknessReport
+from core.schema.report import FailureReport, PairReport, Report, ThicknessReport
 from core.validation.validate import validate
 from tests.solids import cube, flipped, sphere, without_faces
 
@@ -204,6 +204,16 @@ def test_a_failed_report_says_why_and_where():
     head = page.text[: page.text.index("Figures")]
     assert any(finding.message in head for finding in validation.findings)
     assert "Surface and places of the findings" in page.text
+
+
+def test_a_failed_job_says_what_was_refused_in_its_headline():
+    message = "at 514 of 26756 faces the skin is too thin for layer 'fat' (least room 0.2 mm); 'adapt' fades the depth there"
+    failure = FailureReport(code="skin.too_thin", fault="input")
+    page = assert_self_contained(render_html(Report(process="shells", verdict="not_ready", failure=failure, summary=message), []))
+    assert "Refused: at 514 of 26\u202f756 faces the skin is too thin for layer 'fat'" in page.text
+    assert "'adapt' fades the depth there" in page.text
+    short = Report(process="shells", verdict="not_ready", failure=failure, summary="no two ears were found")
+    assert assert_self_contained(render_html(short, [])).text.lower().count("no two ears were found") == 1
 
 
 @pytest.mark.parametrize("verdict", ["simulation_ready", "not_ready"])

@@ -79,8 +79,11 @@ def test_drift_of_rounding_is_nothing(share, words):
     assert wording.drift(share) == words
 
 
-def test_codes_and_first_words_are_made_readable():
+def test_codes_are_made_readable():
     assert wording.title_of("shells.depth_missed") == "Shells: depth missed"
-    assert wording.sentence("at 5 faces `min_gap_mm` is not kept") == "At 5 faces min_gap_mm is not kept"
-    assert wording.sentence("left_ear: 3 faces") == "left_ear: 3 faces"
-    assert wording.sentence("skin is open", ["skin"]) == "skin is open"
+
+
+def test_large_and_negative_numbers_look_alike_in_every_column():
+    assert (wording.significant(8460.0, 4), wording.whole(8460)) == ("8\u202f460", "8\u202f460")
+    assert (wording.significant(-1452.0, 4), wording.whole(-86095)) == ("−1\u202f452", "−86\u202f095")
+    assert wording.significant(512.0) == "512"
