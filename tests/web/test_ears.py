@@ -12,9 +12,11 @@ from store.settings import Settings
 from subjects.body import body
 from tests.acceptance.service import binary_stl
 from tests.api.live import serving
+from tests.solids import sphere
 from tests.valkey import ValkeyServer
 from tests.web.browser import chromium, visit
 
+OTHER = sphere(100.0, 2)
 FIELD_OF_VIEW_DEG = 32  # of the viewer's camera
 NEAR = 0.25  # how far it stands from a place it was sent to, in radii of the body
 
@@ -24,6 +26,7 @@ def test_ears_are_shown_and_their_boxes_dragged(tmp_path: Path, shared_valkey: V
     radius_mm = math.dist(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) / 2
     settings = Settings(data_dir=tmp_path, broker_url=shared_valkey.url, queue="tests-page-ears", port=0)
     with serving(settings) as live, chromium() as browser, visit(browser, live.url) as seen:
+        live.mesh_href(binary_stl(OTHER))
         href = live.mesh_href(binary_stl(mesh))
         page = seen.page
         page.goto(f"/#/new?mesh={href.rpartition('/')[2]}")
@@ -33,6 +36,11 @@ def test_ears_are_shown_and_their_boxes_dragged(tmp_path: Path, shared_valkey: V
         expect(page.get_by_text("Found: left_ear, right_ear.")).to_be_visible()
         seen.drawn()
         seen.picture("ears-found")
+        page.get_by_label("Skin", exact=True).select_option(label=f"skin ({len(OTHER.faces)} faces)")
+        expect(page.get_by_text("Found: ")).to_have_count(0)  # those were another body's
+        page.get_by_label("Skin", exact=True).select_option(label=f"skin ({len(mesh.faces):,} faces)")
+        page.get_by_role("button", name="Show where they are").click()
+        expect(page.get_by_text("Found: left_ear, right_ear.")).to_be_visible()
         page.get_by_label("My own boxes").check()
         page.get_by_role("button", name="Look at left_ear").click()
         low, high = (page.get_by_label(f"left_ear: {end} y in mm", exact=True) for end in ("min", "max"))

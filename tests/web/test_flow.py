@@ -115,7 +115,7 @@ def test_from_a_dropped_file_to_the_package(tmp_path: Path) -> None:
         assert seen.barriers() == []
         page.get_by_role("button", name="Compare two").click()
         expect(page.get_by_role("heading", name="Two jobs compared")).to_be_visible()
-        expect(page.get_by_text("layers.0.depth_mm")).to_be_visible()
+        expect(page.get_by_text("Layers › 1 › Depth (mm)")).to_be_visible()
         seen.picture("11-compared")
 
         # the same again, with what was set

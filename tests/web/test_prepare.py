@@ -79,9 +79,9 @@ def test_what_a_failed_job_left_is_shown_and_can_be_fetched(tmp_path: Path, shar
         expect(page.get_by_text("1 pair of tissues crosses").first).to_be_visible()
         files = page.get_by_role("region", name="Downloads")
         with page.expect_download() as fetched:
-            files.get_by_role("button", name="fat", exact=True).click()
+            files.get_by_role("button", name="fat.stl").click()
         assert fetched.value.path().read_bytes() == left["fat"][0]
-        expect(files.get_by_role("button", name="steps", exact=True)).to_be_visible()
+        expect(files.get_by_role("button", name="steps.json")).to_be_visible()
         expect(page.get_by_role("region", name="View").get_by_text("skin", exact=True)).to_be_visible()
         seen.drawn()
         seen.picture("job-left")

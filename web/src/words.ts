@@ -28,6 +28,11 @@ export function sayWhen(iso: string): string {
   return date.toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 }
 
+/** The time of day, here and not in Greenwich. */
+export function sayTime(iso: string): string {
+  return iso ? new Date(iso).toLocaleTimeString("en-GB") : "";
+}
+
 /** 0.050, 1.25, 123.4, 26,836.0; far beyond that 1.23e+8. */
 export function sayNumber(value: number): string {
   if (value === 0) return "0";
@@ -49,7 +54,12 @@ export function sayShare(share: number): string {
 
 /** What came of a job, or how it goes, in a line. */
 export function sayOutcome({ summary, failure, phase, message }: Job): string {
-  return summary ?? failure?.message ?? phase ?? message;
+  return plain(summary ?? failure?.message ?? phase ?? message);
+}
+
+/** Without the marks that set names of programs apart in the server's messages. */
+export function plain(text: string): string {
+  return text.replaceAll("`", "");
 }
 
 /** False for label volumes, fields and coils: they have no triangles. */

@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Schema } from "../api/types";
 import type { Bounds } from "../mesh/triangles";
 import { Failure } from "../parts/failure";
@@ -24,17 +24,22 @@ export function AutoRegionsInput(props: {
   const [found, setFound] = useState<Region[] | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
+  const newest = useRef(find);
+  newest.current = find;
   const own = Array.isArray(value);
   const auto = props.mayBeNone ? value === "auto" : !own;
   useEffect(() => onPreview(auto ? (found ?? []) : []), [auto, found]);
   useEffect(() => () => onPreview([]), []);
+  useEffect(() => setFound(null), [find]); // what was found on one mesh is not on another
   const look = async () => {
     setBusy(true);
     setError(null);
     try {
       const regions = (await find?.()) ?? [];
-      setFound(regions);
-      if (regions[0]) props.onLook(middleOf(regions[0]));
+      if (find === newest.current) {
+        setFound(regions);
+        if (regions[0]) props.onLook(middleOf(regions[0]));
+      }
     } catch (reason) {
       setError(reason);
     }

@@ -1,5 +1,6 @@
 import type { Job, MeshInfo, Schema } from "../api/types";
 import type { Bounds } from "../mesh/triangles";
+import { plain } from "../words";
 import { Control } from "./control";
 import { type Kind, kindOf, labelOf } from "./schema_kind";
 import type { Region } from "./values";
@@ -15,6 +16,7 @@ export interface FormContext {
   /** Of the volume that was chosen. */
   labels: readonly number[];
   bounds: Bounds | null;
+  /** Another one for another mesh. */
   findEars: (() => Promise<Region[]>) | null;
   onLook: (point: [number, number, number]) => void;
   /** Boxes to be shown that are not the user's. */
@@ -65,8 +67,7 @@ export function Field(props: FieldProps) {
 
 /** For people: patterns are for programs (a name that breaks one is refused in words), and so is null. */
 function sayHint(description: string): string {
-  return description
-    .replaceAll("`", "")
+  return plain(description)
     .replace(/ Keys match \S+$/, "")
     .replace(/\bnull\b/g, "left out");
 }

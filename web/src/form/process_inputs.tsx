@@ -3,6 +3,8 @@ import { ServerError } from "../api/server";
 import { Field, type FormContext } from "./field";
 import { type Input, SurfacesInput, waysOf } from "./surfaces_input";
 
+const RARE: readonly string[] = ["conductivities_s_per_m"];
+
 /** All inputs of a process, but those of `without`. Of inputs that exclude each other one is shown. */
 export function ProcessInputs(props: {
   inputs: Record<string, Input>;
@@ -37,7 +39,7 @@ export function ProcessInputs(props: {
           onValue={set}
         />
       )}
-      {Object.entries(inputs)
+      {inOrder(inputs)
         .filter(([name]) => !ways.includes(name) && !without.includes(name))
         .map(([name, one]) => (
           <Field
@@ -53,6 +55,12 @@ export function ProcessInputs(props: {
         ))}
     </section>
   );
+}
+
+/** What must be given first; what has a good value for nearly everybody last; else as the process has them. */
+function inOrder(inputs: Record<string, Input>): [string, Input][] {
+  const rank = ([name, one]: [string, Input]) => (one.minOccurs > 0 ? 0 : RARE.includes(name) ? 2 : 1);
+  return Object.entries(inputs).sort((a, b) => rank(a) - rank(b));
 }
 
 /** What the server said about one input. */

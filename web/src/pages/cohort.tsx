@@ -15,7 +15,7 @@ import { usePolled } from "../parts/polled";
 import { saveFrom } from "../parts/save";
 import { StatusTag } from "../parts/status_tag";
 import { type Column, Table } from "../parts/table";
-import { Verdict } from "../parts/verdict";
+import { Outcome } from "../parts/verdict";
 import { goTo } from "../router";
 import { sayCount, sayOutcome } from "../words";
 
@@ -38,7 +38,7 @@ const COLUMNS: readonly Column<Job | Refused>[] = [
     title: "Status",
     cell: (one) => ("jobID" in one ? <StatusTag job={one} /> : <span class="tag bad">refused</span>),
   },
-  { title: "Verdict", cell: (one) => ("jobID" in one ? <Verdict verdict={one.verdict} /> : null) },
+  { title: "Verdict", cell: (one) => ("jobID" in one ? <Outcome job={one} /> : null) },
   {
     title: "What",
     cell: (one) =>

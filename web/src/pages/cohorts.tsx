@@ -27,18 +27,20 @@ export function CohortsPage() {
       <div class="heading">
         <h1>Cohorts</h1>
       </div>
-      {list.error ? <Failure error={list.error} again={list.again} /> : null}
-      {list.loading && !list.known && <p class="empty">Loading…</p>}
-      {list.known && list.items.length === 0 && (
-        <p class="card empty">No cohorts yet. A cohort is one job for many meshes.</p>
-      )}
-      {list.items.length > 0 && (
-        <section class="card" aria-label="All cohorts">
-          <Table rows={list.items} keyOf={(one) => one.id} columns={COLUMNS} />
-        </section>
-      )}
-      <MoreButton onMore={list.showMore} loading={list.loading} />
-      <NewCohort />
+      <div class="stack">
+        {list.error ? <Failure error={list.error} again={list.again} /> : null}
+        {list.loading && !list.known && <p class="empty">Loading…</p>}
+        {list.known && list.items.length === 0 && (
+          <p class="card empty">No cohorts yet. A cohort is one job for many meshes.</p>
+        )}
+        {list.items.length > 0 && (
+          <section class="card" aria-label="All cohorts">
+            <Table rows={list.items} keyOf={(one) => one.id} columns={COLUMNS} />
+          </section>
+        )}
+        <MoreButton onMore={list.showMore} loading={list.loading} />
+        <NewCohort />
+      </div>
     </>
   );
 }

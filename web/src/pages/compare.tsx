@@ -1,11 +1,14 @@
 import { getInputs, getJob, getReport } from "../api/jobs";
 import type { Job, Report } from "../api/types";
+import { labelOf } from "../form/schema_kind";
 import { Failure } from "../parts/failure";
 import { useLoaded } from "../parts/loaded";
 import { StatusTag } from "../parts/status_tag";
 import { Table } from "../parts/table";
-import { Verdict } from "../parts/verdict";
+import { Outcome } from "../parts/verdict";
 import { sayArea, sayCount, sayNumber, sayOutcome, saySeconds, sayShare } from "../words";
+
+const TIME = "Time: "; // always another: nobody looks for that
 
 interface Side {
   job: Job;
@@ -37,7 +40,7 @@ export function ComparePage({ a, b }: { a: string; b: string }) {
         <Table
           rows={rowsOf(left, right)}
           keyOf={([what]) => what}
-          rowClass={([, one, other]) => (one === other ? "" : "differs")}
+          rowClass={([what, one, other]) => (one === other || what.startsWith(TIME) ? "" : "differs")}
           columns={[
             { title: "What", silent: true, cell: ([what]) => what },
             { title: <SideTitle side={left} />, kind: "mono", cell: ([, one]) => one },
@@ -53,7 +56,7 @@ function SideTitle({ side: { job } }: { side: Side }) {
   return (
     <>
       <a href={`#/jobs/${job.jobID}`}>{job.processID}</a> <span class="mono">{job.jobID.slice(0, 8)}</span>{" "}
-      <StatusTag job={job} /> <Verdict verdict={job.verdict} />
+      <StatusTag job={job} /> <Outcome job={job} />
     </>
   );
 }
@@ -82,13 +85,16 @@ function linesOf({ job, report, inputs }: Side): Map<string, string> {
       pair.min_gap_mm === null ? "–" : `${sayNumber(pair.min_gap_mm)} mm`,
     );
   }
-  for (const [phase, seconds] of Object.entries(job.timings_s ?? {})) lines.set(`Time: ${phase}`, saySeconds(seconds));
+  for (const [phase, seconds] of Object.entries(job.timings_s ?? {})) lines.set(`${TIME}${phase}`, saySeconds(seconds));
   return lines;
 }
 
 function flatten(value: unknown, name: string, lines: Map<string, string>): void {
   if (typeof value === "object" && value !== null) {
-    for (const [key, one] of Object.entries(value)) flatten(one, name ? `${name}.${key}` : key, lines);
+    for (const [key, one] of Object.entries(value)) {
+      const called = Array.isArray(value) ? String(Number(key) + 1) : key === "href" ? "" : labelOf(key);
+      flatten(one, [name, called].filter(Boolean).join(" › "), lines);
+    }
   } else {
     lines.set(name, String(value));
   }

@@ -6,9 +6,9 @@ import { JobWords, JobWordsForm } from "../parts/job_words";
 import { type LogLine, useLiveJob } from "../parts/live_job";
 import { ResultView } from "../parts/result_view";
 import { StatusTag } from "../parts/status_tag";
-import { Verdict } from "../parts/verdict";
+import { Outcome } from "../parts/verdict";
 import { goTo } from "../router";
-import { saySeconds, sayWhen } from "../words";
+import { plain, saySeconds, sayTime, sayWhen } from "../words";
 
 /** One job: how it goes, and what came of it. */
 export function JobPage({ id }: { id: string }) {
@@ -21,9 +21,9 @@ export function JobPage({ id }: { id: string }) {
         <div class="row">
           <h1>{job.processID}</h1>
           <StatusTag job={job} />
-          <Verdict verdict={job.verdict} />
-          <span class="mono muted">{job.jobID}</span>
+          <Outcome job={job} />
           <JobWords job={job} />
+          <span class="mono muted">{job.jobID}</span>
         </div>
         <JobActions job={job} onChanged={again} onGone={() => goTo("#/jobs")} />
       </div>
@@ -34,16 +34,18 @@ export function JobPage({ id }: { id: string }) {
       )}
       {!isOver(job) && <Progress job={job} />}
       {job.failure && (
-        <div class="note bad stack" role="alert">
+        <div class="note bad stack above" role="alert">
           <p>
-            {job.failure.message} <span class="mono">{job.failure.code}</span>
+            {plain(job.failure.message)} <span class="mono">{job.failure.code}</span>
           </p>
           <p class="small">{WHOSE[job.failure.class]}</p>
         </div>
       )}
-      {isOver(job) && job.status !== "dismissed" ? <ResultView job={job} /> : null}
-      <JobWordsForm job={job} onChanged={again} />
-      <Log log={log} job={job} />
+      <div class="stack">
+        {isOver(job) && job.status !== "dismissed" ? <ResultView job={job} /> : null}
+        <JobWordsForm job={job} onChanged={again} />
+        <Log log={log} job={job} />
+      </div>
     </>
   );
 }
@@ -57,7 +59,7 @@ const WHOSE = {
 
 function Progress({ job }: { job: Job }) {
   return (
-    <section class="card stack" aria-label="Progress">
+    <section class="card stack above" aria-label="Progress">
       <div class="row spread">
         <b>{job.status === "accepted" ? "Waits for a worker" : (job.phase ?? "Starts")}</b>
         <span>
@@ -92,7 +94,7 @@ function Log({ log, job }: { log: readonly LogLine[]; job: Job }) {
       )}
       {log.length > 0 && (
         // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls must be reachable by keyboard
-        <pre tabIndex={0}>{log.map((line) => `${line.at.slice(11, 19)}  ${line.text}`).join("\n")}</pre>
+        <pre tabIndex={0}>{log.map((line) => `${sayTime(line.at)}  ${line.text}`).join("\n")}</pre>
       )}
     </details>
   );

@@ -6,9 +6,9 @@ import { JobWords } from "../parts/job_words";
 import { MoreButton } from "../parts/long_list";
 import { usePolled } from "../parts/polled";
 import { SearchBox, useSettled } from "../parts/search_box";
-import { StatusTag } from "../parts/status_tag";
+import { STATUS_WORDS, StatusTag } from "../parts/status_tag";
 import { type Column, Table } from "../parts/table";
-import { Verdict } from "../parts/verdict";
+import { Outcome } from "../parts/verdict";
 import { goTo } from "../router";
 import { sayOutcome, saySeconds, sayWhen } from "../words";
 
@@ -24,7 +24,7 @@ const PROGRESS: readonly Column<Job>[] = [
       job.status === "running" ? (
         <progress value={job.progress} max={100} aria-label={`Progress of job ${job.jobID}`} />
       ) : (
-        <Verdict verdict={job.verdict} />
+        <Outcome job={job} />
       ),
   },
   { title: "What", cell: (job) => `${sayOutcome(job)}${job.queuePosition ? ` (place ${job.queuePosition})` : ""}` },
@@ -75,7 +75,9 @@ export function JobsPage({ place }: { place: URLSearchParams }) {
             <select value={status} onChange={(event) => setStatus(event.currentTarget.value)}>
               <option value="">All</option>
               {STATUSES.map((one) => (
-                <option key={one}>{one}</option>
+                <option key={one} value={one}>
+                  {STATUS_WORDS[one]}
+                </option>
               ))}
             </select>
           </label>

@@ -16,10 +16,11 @@ import { ViewerPane } from "../parts/viewer_pane";
 import { goTo } from "../router";
 import { tissueColours } from "../tissues";
 import { sayLength } from "../units";
-import type { Point, Surface } from "../viewer/surface";
+import type { Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 import { isSurface, sayContent, sayWhen } from "../words";
 
+const NONE: Marker[] = [];
 const FEW = 5;
 const FIRST = 100;
 const CHECKED_FACES = 500_000; // of larger ones the check takes minutes: it waits for a click
@@ -44,6 +45,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const [justAdded, setJustAdded] = useState("");
   const [refused, setRefused] = useState<unknown>(null);
+  const [marked, setMarked] = useState<{ of: string; places: Marker[] }>({ of: "", places: [] });
   const meshes = list.items;
   const chosen = local ? undefined : (meshes.find((mesh) => mesh.id === chosenId) ?? meshes[0]);
   const fetched = useTriangles(chosen && isSurface(chosen) ? { [chosen.name]: `/v1/meshes/${chosen.id}` } : {});
@@ -87,7 +89,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
     }
   };
   const fly = (point: Point, { places, severity }: Finding) => {
-    viewer?.setMarkers(places.map((place) => ({ point: place.point_mm, severity })));
+    setMarked({ of: chosen?.id ?? "", places: places.map((place) => ({ point: place.point_mm, severity })) });
     viewer?.gaze.flyTo(point);
   };
   const nothing = !list.loading && !list.error && !search.settled && meshes.length === 0 && files.length === 0;
@@ -130,6 +132,7 @@ export function MeshesPage({ chosenId }: { chosenId: string | undefined }) {
               makeTree={makeTree}
               label={`3D view of ${name}`}
               surfaces={surfaces}
+              markers={marked.of === chosen?.id ? marked.places : NONE}
               onViewer={setViewer}
               loading={
                 chosen && isSurface(chosen) && !shown && fetched.loading && !fetched.failure ? `Loading ${name}…` : ""

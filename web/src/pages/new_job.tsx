@@ -135,6 +135,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   const first = names[0] && triangles.meshes[names[0]];
   const shownHref = Object.values(given)[0] ?? "";
   const mesh = meshes.items.find((one) => shownHref.endsWith(one.id));
+  const find = useMemo(() => (mesh ? () => findEars(mesh.id) : null), [mesh?.id]);
   const volume = meshes.items.find((one) => one.volume && hrefOf(known.volume).endsWith(one.id))?.volume;
   const context: FormContext = {
     meshes: meshes.items,
@@ -148,7 +149,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     arrays: mesh?.arrays.map((array) => array.name) ?? [],
     labels: volume?.labels.map((one) => one.label) ?? [],
     bounds: first ? { min: first.min, max: first.max } : null,
-    findEars: mesh ? () => findEars(mesh.id) : null,
+    findEars: find,
     onLook: (point) => viewer?.gaze.flyTo(point),
     onPreview: setPreview,
   };

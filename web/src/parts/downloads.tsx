@@ -68,7 +68,7 @@ export function Downloads(props: { job: Job; results: Record<string, ResultRefer
             disabled={busy !== ""}
             onClick={() => save(name, `${path}/results/${name}`, file.title)}
           >
-            {name}
+            {busy === name ? "Loading…" : file.title}
           </button>
         ))}
       </div>

@@ -1,6 +1,7 @@
 import { askJson } from "../api/server";
 import type { ProcessSummary } from "../api/types";
 import { PRESETS } from "../form/presets";
+import { plain } from "../words";
 import { Failure } from "./failure";
 import { useLoaded } from "./loaded";
 
@@ -42,7 +43,7 @@ export function ProcessChoice(props: {
             </option>
           ))}
         </select>
-        <p class="muted small">{props.description.replaceAll("`", "")}</p>
+        <p class="muted small">{plain(props.description)}</p>
       </div>
       {catalogue.error ? <Failure error={catalogue.error} again={catalogue.again} /> : null}
     </section>

@@ -62,6 +62,13 @@ export function QuickCheck({
         <div class="row">
           <Verdict verdict={report.verdict} /> <span class="small">{report.summary}</span>
         </div>
+        {report.verdict !== "simulation_ready" && (
+          <div class="row">
+            <a class="button" href={`#/new?mesh=${mesh.id}&process=heal`}>
+              Heal it…
+            </a>
+          </div>
+        )}
         {report.findings.length > 0 && <Findings findings={report.findings} onPlace={onPlace} />}
       </section>
     );

@@ -6,6 +6,7 @@ import { makeTree } from "../mesh/workshop";
 import { tissueColours } from "../tissues";
 import type { Clip, Marker, Point, Surface } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
+import { plain } from "../words";
 import { Beside } from "./beside";
 import { ClipControl } from "./clip_control";
 import { Downloads } from "./downloads";
@@ -109,10 +110,10 @@ export function ResultView({ job }: { job: Job }) {
         </div>
         {refused ? <Failure error={refused} again={() => [report, results, inputs].map((one) => one.again())} /> : null}
         <ThinnedNote meshes={Object.values(triangles.meshes)} />
-        {job.summary && <p>{job.summary}</p>}
-        {report.value && <Numbers report={report.value} />}
+        {job.summary && <p>{plain(job.summary)}</p>}
       </div>
-      <div class="stack">
+      <div class="numbers">{report.value && <Numbers report={report.value} />}</div>
+      <div class="stack side">
         {bounds && (
           <section class="card stack" aria-label="View">
             <TissueTable surfaces={surfaces} onChange={look} />

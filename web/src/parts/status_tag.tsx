@@ -1,7 +1,7 @@
 import type { Job } from "../api/types";
 
 const TONES = { accepted: "", running: "live", successful: "good", failed: "bad", dismissed: "" } as const;
-const WORDS = {
+export const STATUS_WORDS = {
   accepted: "waiting",
   running: "running",
   successful: "done",
@@ -10,5 +10,5 @@ const WORDS = {
 } as const;
 
 export function StatusTag({ job }: { job: Job }) {
-  return <span class={`tag ${TONES[job.status]}`}>{WORDS[job.status]}</span>;
+  return <span class={`tag ${TONES[job.status]}`}>{STATUS_WORDS[job.status]}</span>;
 }

@@ -1,11 +1,11 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { isOfEarlierKey, isPassing } from "../api/server";
 import type { MeshInfo, Unit } from "../api/types";
 import { makeMesh, type Sending, sendFile } from "../api/uploads";
 import type { FileKind, ReadMesh } from "../mesh/worker";
 import { readMesh } from "../mesh/workshop";
 import { doubtUnit, sayLength, suggestUnit, toMm, UNIT_NAMES, UNITS } from "../units";
-import { sayBytes, sayCount } from "../words";
+import { sayBytes, sayCount, sayNumber } from "../words";
 import { Failure } from "./failure";
 import { useKeyCount } from "./key_count";
 
@@ -27,6 +27,7 @@ export function UploadItem(props: {
   onRemove: () => void;
 }) {
   const { file } = props;
+  const id = useId();
   const [share, setShare] = useState(0);
   const [path, setPath] = useState("");
   const [error, setError] = useState<unknown>(null);
@@ -116,11 +117,15 @@ export function UploadItem(props: {
       </div>
       <progress value={path ? 1 : share} max={1} aria-label={`Progress of ${file.name}`} />
       <p class="muted small" aria-live="polite">
-        {path ? "Received." : `${Math.floor(share * 100)} % sent; it goes on where it was if the network fails.`}
+        {path
+          ? "Received."
+          : share < 1
+            ? `${Math.floor(share * 100)} % sent; it goes on where it was if the network fails.`
+            : "All of it is sent; the server puts it away."}
       </p>
       <div class="field">
-        <label for={`unit-${file.name}`}>Unit of the coordinates in the file</label>
-        <select id={`unit-${file.name}`} value={unit} onChange={(event) => setUnit(event.currentTarget.value as Unit)}>
+        <label for={id}>Unit of the coordinates in the file</label>
+        <select id={id} value={unit} onChange={(event) => setUnit(event.currentTarget.value as Unit)}>
           <option value="">Choose…</option>
           {UNITS.map((one) => (
             <option key={one} value={one}>
@@ -129,9 +134,12 @@ export function UploadItem(props: {
             </option>
           ))}
         </select>
+        {longest === null && !unit && (
+          <p class="muted small">Its size is known when the server has read it; a wrong unit is told then.</p>
+        )}
         {longest !== null && (
           <p class="muted small">
-            Longest side in the file: {longest.toPrecision(4)}.{" "}
+            Longest side in the file: {sayNumber(longest)}.{" "}
             {suggested
               ? `That is a person's size in ${UNIT_NAMES[suggested]}.`
               : "The size fits no unit for certain, so please say which it is."}

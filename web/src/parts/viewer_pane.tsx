@@ -125,6 +125,7 @@ export function ViewerPane(props: ViewerPaneProps) {
               Save picture
             </button>
           </fieldset>
+          {!probe && surfaces.length === 1 && <div class="overlay bottom caption">{surfaces[0]!.name}</div>}
           <div class="overlay bottom" aria-live="polite">
             {probe && (
               <div class="readout">
