@@ -24,6 +24,7 @@ Flags = NDArray[np.bool_]
 
 GONE = -1
 QUADRIC = 11  # xx xy xz yy yz zz, x y z, constant, area
+AREA = 10
 
 
 class State(NamedTuple):

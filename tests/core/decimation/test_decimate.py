@@ -128,6 +128,13 @@ def test_the_body_keeps_its_shape_and_its_quality():
     assert result.curvature_after_deg.mean() > result.curvature_before_deg.mean()
 
 
+def test_no_narrow_fold_is_given_away_for_its_small_area():
+    """By area alone the rim of an ear went by 2.2 mm, 28 times what the rest lost on average."""
+    deviation = decimated(body(1), target_ratio=0.25, method="quadric").deviation
+    assert deviation.maximum_mm < 20.0 * deviation.rms_mm
+    assert deviation.rms_mm < 0.08
+
+
 def test_same_input_same_bytes():
     first, second = (decimated(body(0), target_ratio=0.5) for _ in range(2))
     assert first.mesh.vertices.tobytes() == second.mesh.vertices.tobytes()
