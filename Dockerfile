@@ -61,7 +61,7 @@ LABEL org.opencontainers.image.title="Integument" \
 # hadolint ignore=DL3008
 RUN apt-get update --quiet \
     && apt-get install --yes --quiet --no-install-recommends \
-        libfontconfig1 libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1 \
+        libfontconfig1 libgl1 libglu1-mesa libgomp1 libxcursor1 libxfixes3 libxft2 libxinerama1 \
     && rm -rf /var/lib/apt/lists/*
 RUN install --directory --owner=10001 --group=10001 --mode=0700 /data
 COPY --from=build /opt/integument /opt/integument

@@ -86,7 +86,13 @@ def configure_logging(form: str, redact: Redact, stream: IO[str] | None = None) 
     logging.basicConfig(level=logging.INFO, handlers=[handler], force=True)
     logging.captureWarnings(True)
     logging.getLogger("alembic.runtime.plugins").setLevel(logging.WARNING)  # lists itself whenever it is loaded
+    logging.getLogger("alembic.runtime.migration").addFilter(_is_no_look_at_tables)
     sys.excepthook = _log_uncaught
+
+
+def _is_no_look_at_tables(record: logging.LogRecord) -> bool:
+    """Alembic says twice how it would migrate whenever the tables' version is asked for, as every readiness probe does."""
+    return not str(record.msg).startswith(("Context impl", "Will assume"))
 
 
 def _log_uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -1,4 +1,4 @@
-"""What is needed of Debian: Chromium for the web page, X libraries for gmsh (the server's, too), programs of the docs' examples.
+"""What is needed of Debian: Chromium for the web page, libraries for gmsh (the server's, too), programs of the docs' examples.
 
 What is missing is installed as root.
 """
@@ -16,6 +16,7 @@ CHROMIUM = ("chromium", "fonts-liberation")
 PROGRAMS = {"curl": "curl", "jq": "jq", "octave-cli": "octave", "unzip": "unzip"}  # Octave runs what the pages show for MATLAB
 GMSH_LIBRARIES = {
     "GLU": "libglu1-mesa",
+    "gomp": "libgomp1",
     "Xft": "libxft2",
     "Xcursor": "libxcursor1",
     "Xinerama": "libxinerama1",

@@ -15,7 +15,7 @@ TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of elements of first order
 DELAUNAY = 1  # of its methods; HXT ends with memory broken and the frontal one not at all on layers of a body
 OPTIONS = {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.Algorithm3D": DELAUNAY, "Mesh.Optimize": 1}
 SIZE = 0.65  # of the regular edge: then nine of ten tetrahedra are below the volume asked for, as with TetGen
-DEBIAN_PACKAGES = "libglu1-mesa libxft2 libxcursor1 libxinerama1 libxfixes3"
+DEBIAN_PACKAGES = "libglu1-mesa libgomp1 libxft2 libxcursor1 libxinerama1 libxfixes3"
 
 
 def run_gmsh(

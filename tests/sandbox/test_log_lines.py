@@ -102,6 +102,21 @@ def test_a_program_says_it_in_its_form_even_at_its_end(form: str, is_json: bool)
         assert lines[-1] == "RuntimeError: on purpose"
 
 
+def test_asking_for_the_version_of_the_tables_fills_no_log() -> None:
+    code = (
+        "import logging\n"
+        "from sandbox.log_lines import configure_logging\n"
+        "configure_logging('text', str)\n"
+        "from alembic.runtime.migration import MigrationContext, log\n"
+        "from sqlalchemy import create_engine\n"
+        "MigrationContext.configure(create_engine('sqlite://').connect())\n"
+        "log.info('Running upgrade 1 -> 2')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    (line,) = done.stderr.splitlines()
+    assert line.endswith("alembic.runtime.migration: Running upgrade 1 -> 2")
+
+
 def test_a_terminal_gets_no_commands_out_of_what_users_send() -> None:
     told = "skin\x1b[2J\x1b]0;owned\x07\r\u202egpj.stl\x9b"
     record = logging.LogRecord("api", logging.INFO, "", 0, "mesh %s\n\tkept", (told,), None)
