@@ -144,6 +144,8 @@ def as_inputs(block: Block, workshop: Workshop) -> dict[str, object]:
     inputs: dict[str, object] = document.get("inputs", document)
     if process == "detach" and "arms_down.stl" in workshop.files:
         inputs["skin"] = workshop.uploaded("arms_down.stl")
+    if process == "ears":
+        inputs["canals"] = [workshop.uploaded(f"{side}_canal.stl") for side in CANALS]
     if process == "separate":
         inputs["meshes"] = {name: workshop.uploaded(f"{name}.stl") for name in ("skull", "grey", "white")}
     if process == "fields":
