@@ -7,7 +7,7 @@ from typing import Any
 
 from core.reports.wording import NOT_KNOWN, drift, point, quantity
 
-UNITS = {"_mm": "mm", "_mm2": "mm²", "_mm3": "mm³", "_cm2": "cm²", "_deg": "°", "_percent": "%", "_s": "s"}
+UNITS = {"_mm": "mm", "_mm2": "mm²", "_mm3": "mm³", "_cm2": "cm²", "_cm3": "cm³", "_deg": "°", "_percent": "%", "_s": "s"}
 CHANGE = "_change"  # of area or volume, as a share
 
 

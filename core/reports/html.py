@@ -34,12 +34,14 @@ def render_html(report: Report, figures: Sequence[Figure], scene: Scene | None =
     ]
     counts = {severity: sum(finding.severity is severity for finding in report.findings) for severity in Severity}
     ready = report.verdict == "simulation_ready"
+    reason, lead = headline(report.summary) if report.failure else ("", report.summary)
     return template("report.html.j2").render(
         report=report,
         title=PROCESSES[report.process].title if report.process in PROCESSES else report.process,
         ready=ready,
         verdict=verdict_words(report.process, ready, report.failure),
-        reason=headline(report.summary) if report.failure else "",
+        reason=reason,
+        lead=lead,
         rows=tissue_rows(report),
         names={*report.meshes, *(place.mesh for finding in report.findings for place in finding.places)},
         nesting=nesting_lines(report),

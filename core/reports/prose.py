@@ -14,6 +14,7 @@ _QUOTED = r"'[^'\n]*'|\"[^\"\n]*\""
 _LARGE = r"(?<![\w.,:/=+#-])(?:\d{1,3}(?:,\d{3})+|\d{5,})(?![\w,:/=-]|\.\d)"
 _LARGE_OR_QUOTED = re.compile(f"(?P<quoted>{_QUOTED})|(?P<large>{_LARGE})")
 _CLAUSE_ENDS = re.compile(r"; |: |\. | \(|, so |, or ")
+_STANDS_ALONE = ("; ", ": ", ". ")  # what follows one of these
 SHORTEST_CLAUSE, LONGEST_CLAUSE = 16, 110
 
 _VERDICTS = {"fields": ("Every triangle has a value", "Triangles without a value")}  # of processes that make no surfaces
@@ -33,13 +34,16 @@ def verdict_words(process: str, ready: bool, failure: FailureReport | None = Non
     return good if ready else bad
 
 
-def headline(message: str) -> str:
-    """What a message says first: up to the first colon, semicolon or bracket that ends more than a few words."""
-    ends = [found.start() for found in _CLAUSE_ENDS.finditer(message) if found.start() >= SHORTEST_CLAUSE]
-    clause = message[: min(ends, default=len(message))].rstrip(".")
+def headline(message: str) -> tuple[str, str]:
+    """(what a message says first, what is left to say): cut at the first colon, semicolon or bracket after a few words.
+
+    Where what is left cannot stand alone, it is the whole message."""
+    end = next((found for found in _CLAUSE_ENDS.finditer(message) if found.start() >= SHORTEST_CLAUSE), None)
+    clause = (message if end is None else message[: end.start()]).rstrip(".")
+    rest = "" if end is None else message[end.end() :] if end[0] in _STANDS_ALONE else message
     if len(clause) > LONGEST_CLAUSE:
-        clause = f"{clause[:LONGEST_CLAUSE].rsplit(' ', 1)[0]} …"
-    return grouped(clause.replace("`", ""))
+        clause, rest = f"{clause[:LONGEST_CLAUSE].rsplit(' ', 1)[0]} …", message
+    return grouped(clause.replace("`", "")), rest
 
 
 def sentence(text: str, names: Collection[str] = ()) -> str:

@@ -44,11 +44,19 @@ def test_large_numbers_are_grouped_and_nothing_else(text: str, shown: str) -> No
     ],
 )
 def test_a_headline_is_the_first_clause(message: str, said: str) -> None:
-    assert headline(message) == said
+    assert headline(message)[0] == said
+
+
+def test_what_the_headline_leaves_is_said_below_it() -> None:
+    assert headline("no voxel has the label 7; the volume has 1, 2") == ("no voxel has the label 7", "the volume has 1, 2")
+    too_thin = "the skin is too thin for layer 'fat' (least room 0.2 mm) and thin_policy is 'fail'"
+    assert headline(too_thin) == ("the skin is too thin for layer 'fat'", too_thin)
+    assert headline("no two ears were found.") == ("no two ears were found", "")
 
 
 def test_a_headline_never_runs_on() -> None:
-    said = headline("word " * 100)
+    said, rest = headline("word " * 100)
+    assert rest == "word " * 100
     assert len(said) <= LONGEST_CLAUSE + 2
     assert said.endswith(" …")
 

@@ -19,16 +19,22 @@ async function show(stage: HTMLElement): Promise<void> {
   }
 }
 
+const REST_MS = 2000; // of the page before what is out of sight is unpacked, too: it may be printed
+
 const stage = document.getElementById("scene-stage");
 if (stage) {
   stage.textContent = "The surfaces are unpacked when they come into sight…";
+  const unpack = () => {
+    watch.disconnect();
+    clearTimeout(rest);
+    void show(stage);
+  };
   const watch = new IntersectionObserver(
     (entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      watch.disconnect();
-      void show(stage);
+      if (entries.some((entry) => entry.isIntersecting)) unpack();
     },
     { rootMargin: "200px" },
   );
+  const rest = setTimeout(unpack, REST_MS);
   watch.observe(stage);
 }

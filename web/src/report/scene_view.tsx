@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Painted, SceneAbout, SceneMesh } from "../mesh/scene";
 import { boundsOfAll } from "../mesh/triangles";
 import { ClipControl } from "../parts/clip_control";
@@ -28,7 +28,9 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
   );
   const bounds = useMemo(() => boundsOfAll(meshes.map(({ mesh }) => mesh)), [meshes]);
   const [clip, setClip] = useState<Clip | null>(null);
-  const [marked, setMarked] = useState<"all" | "none" | Place>("all");
+  const [marked, setMarked] = useState<"all" | "none" | Place>(
+    () => (places.some(({ marker }) => marker.severity === "error") ? "all" : "none"), // they would hide what is ready
+  );
   const [viewer, setViewer] = useState<Viewer | null>(null);
   const markers = useMemo(() => {
     if (marked === "none") return [];
@@ -59,6 +61,13 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
     };
   }, [viewer, places]);
 
+  const paper = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const print = () => paper.current && viewer?.copyTo(paper.current, "#ffffff");
+    addEventListener("beforeprint", print);
+    return () => removeEventListener("beforeprint", print);
+  }, [viewer]);
+
   const painted = surfaces.some((one) => one.field !== null);
   const paint = (on: boolean) =>
     setSurfaces(surfaces.map((one, i) => ({ ...one, field: on ? fieldOf(meshes[i]!, paintedBy) : null })));
@@ -67,6 +76,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
   return (
     <div class="scene">
       <ViewerPane label="The surfaces in 3D" surfaces={surfaces} clip={clip} markers={markers} onViewer={setViewer} />
+      <canvas ref={paper} class="printed" aria-hidden="true" />
       <div class="stack">
         <TissueTable surfaces={surfaces} onChange={change} />
         <ClipControl clip={clip} bounds={bounds} onClip={setClip} />
@@ -93,7 +103,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
               checked={marked === "all"}
               onChange={(event) => setMarked(event.currentTarget.checked ? "all" : "none")}
             />
-            All {places.length} places the tables name
+            {places.length === 1 ? "The place" : `All ${places.length} places`} the tables name
           </label>
         )}
       </div>

@@ -117,6 +117,19 @@ export class Viewer {
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
 
+  /** What is shown, at once, on a canvas that keeps it; for paper, where nothing is drawn later. */
+  copyTo(canvas: HTMLCanvasElement, ground: string): void {
+    const usual = this.scene.background;
+    this.scene.background = new Color(ground);
+    this.sharpness.sharpen();
+    this.render();
+    canvas.width = this.canvas.width;
+    canvas.height = this.canvas.height;
+    canvas.getContext("2d")?.drawImage(this.canvas, 0, 0);
+    this.scene.background = usual;
+    this.draw();
+  }
+
   dispose(): void {
     cancelAnimationFrame(this.frame);
     this.sizes.disconnect();

@@ -115,7 +115,7 @@ def test_the_page_shows_what_is_far_and_what_failed_as_text() -> None:
     assert "&lt;script&gt;" in page
     assert "<img" not in page
     assert 'class="far"' in page
-    assert "▲ 50" in page
+    assert "▲ 0.05" in page  # cm³
     assert page.count("<tr><th>") >= 7
     assert "://" not in page
 
@@ -133,3 +133,13 @@ def test_what_is_the_same_for_all_takes_no_column_of_the_table_of_subjects() -> 
     page = render_page(told)
     assert page.count("<th>errors</th>") == 1, "in the table of what is usual"
     assert page.count("<th>skin volume [mm³]</th>") == 2
+
+
+def test_the_page_is_headed_by_how_many_are_ready_and_shows_volumes_as_people_read_them() -> None:
+    failed = subject("late", "failed", code="skin.too_thin", message="at 26756 faces it is too thin")
+    page = render_page(summary_of({name: 41_624_292.0 * share for name, share in VOLUMES.items()}, failed))
+    assert "Pilot: 6 of 7 ready" in page
+    assert "skin volume [cm³]" in page
+    assert "41\u202f624" in page
+    assert "41\u202f624\u202f292" not in page
+    assert "At 26\u202f756 faces it is too thin" in page
