@@ -28,6 +28,7 @@ FACES = (100_000, 990_000)  # in two closed surfaces; above 500,000 each the ser
 SETTLE_MS = 3_000
 VIEW = {"width": 1280, "height": 640}  # small, since the processor draws it; the main thread does the same for a large one
 STEPS = 40
+STEP_MS = 250
 PATIENCE_MS = 300_000
 
 
@@ -97,6 +98,7 @@ def drag_plane(page: Page) -> None:
     slider.focus()
     for _ in range(STEPS):
         page.keyboard.press("ArrowRight")
+        page.wait_for_timeout(STEP_MS)  # keys pressed while a frame is drawn would become one
 
 
 def ball(radius_mm: float, faces: int) -> Mesh:

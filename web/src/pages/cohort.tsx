@@ -41,6 +41,7 @@ const COLUMNS: readonly Column<Job | Refused>[] = [
   { title: "Verdict", cell: (one) => ("jobID" in one ? <Outcome job={one} /> : null) },
   {
     title: "What",
+    kind: "prose",
     cell: (one) =>
       "jobID" in one ? (
         sayOutcome(one)

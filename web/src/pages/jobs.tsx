@@ -27,7 +27,11 @@ const PROGRESS: readonly Column<Job>[] = [
         <Outcome job={job} />
       ),
   },
-  { title: "What", cell: (job) => `${sayOutcome(job)}${job.queuePosition ? ` (place ${job.queuePosition})` : ""}` },
+  {
+    title: "What",
+    kind: "prose",
+    cell: (job) => `${sayOutcome(job)}${job.queuePosition ? ` (place ${job.queuePosition})` : ""}`,
+  },
   { title: "Created", cell: (job) => sayWhen(job.created) },
   {
     title: "Took",

@@ -104,7 +104,7 @@ export function ResultView({ job }: { job: Job }) {
             onViewer={setViewer}
             loading={loading ? "Loading the surfaces…" : ""}
             failure={triangles.failure}
-            empty="This job left no surface to show; its report says why."
+            empty={`This job left no surface to show${report.value ? "; its report says why" : ""}.`}
           />
           {beside && <Beside surfaces={surfaces} clip={clip} markers={markers} leader={viewer} />}
         </div>

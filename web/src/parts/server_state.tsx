@@ -17,7 +17,7 @@ export async function findServerState(): Promise<ServerState> {
     return FINE;
   } catch (error) {
     if (error instanceof ServerError && !error.isAway) {
-      return { severity: "warn", message: `The server cannot work now. ${error.message}` };
+      return { severity: "warn", message: `The server cannot work now; ${error.message.replace(/^Not ready: /, "")}` };
     }
     return {
       severity: "bad",

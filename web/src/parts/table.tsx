@@ -4,7 +4,7 @@ export interface Column<Row> {
   title: ComponentChildren;
   /** Said to those who listen; to the eye the cells say it. */
   silent?: boolean;
-  kind?: "number" | "name" | "small" | "mono";
+  kind?: "number" | "name" | "small" | "mono" | "prose";
   cell: (row: Row, place: number) => ComponentChildren;
 }
 

@@ -17,7 +17,7 @@ export function TissueTable(props: {
         {
           title: "Surface",
           cell: ({ name, colour }) => (
-            <span class="row name">
+            <span class="row nowrap name">
               <Swatch colour={colour} /> {name}
             </span>
           ),
