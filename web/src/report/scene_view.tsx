@@ -76,7 +76,7 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
   return (
     <div class="scene">
       <ViewerPane label="The surfaces in 3D" surfaces={surfaces} clip={clip} markers={markers} onViewer={setViewer} />
-      <canvas ref={paper} class="printed" aria-hidden="true" />
+      <canvas ref={paper} class="printed" />
       <div class="stack">
         <TissueTable surfaces={surfaces} onChange={change} />
         <ClipControl clip={clip} bounds={bounds} onClip={setClip} />

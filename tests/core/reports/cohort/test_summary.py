@@ -132,7 +132,7 @@ def test_what_is_the_same_for_all_takes_no_column_of_the_table_of_subjects() -> 
     assert varying_columns(told.rows) == ["skin.volume_mm3"]
     page = render_page(told)
     assert page.count("<th>errors</th>") == 1, "in the table of what is usual"
-    assert page.count("<th>skin volume [mm³]</th>") == 2
+    assert page.count("<th>skin volume [cm³]</th>") == 2
 
 
 def test_the_page_is_headed_by_how_many_are_ready_and_shows_volumes_as_people_read_them() -> None:
