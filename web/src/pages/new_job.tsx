@@ -1,5 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { execute, getInputs, getResults, listJobs } from "../api/jobs";
+import { execute, getInputs, listJobs } from "../api/jobs";
 import { findEars, listMeshes } from "../api/meshes";
 import { askJson } from "../api/server";
 import type { Process } from "../api/types";
@@ -12,22 +12,19 @@ import { asLayers, asTissues, type Region } from "../form/values";
 import { makeTree } from "../mesh/workshop";
 import { useDrawnCoil } from "../parts/drawn_coil";
 import { Failure } from "../parts/failure";
+import { useInputSurfaces } from "../parts/input_surfaces";
 import { useLoaded } from "../parts/loaded";
 import { MoreButton, useLongList } from "../parts/long_list";
 import { ProcessChoice } from "../parts/process_choice";
 import { SearchBox, useSettled } from "../parts/search_box";
-import { referencesIn, shownMeshes } from "../parts/shown_meshes";
-import { useTriangles } from "../parts/triangles_of";
 import { ViewerPane } from "../parts/viewer_pane";
 import { NO_WORDS, sentWords, WordsInputs } from "../parts/words_inputs";
 import { goTo } from "../router";
-import { tissueColours } from "../tissues";
-import type { RegionBox, Surface } from "../viewer/surface";
+import type { RegionBox } from "../viewer/surface";
 import type { Viewer } from "../viewer/viewer";
 
 const FIRST_MESHES = 100;
 const FIRST_JOBS = 50;
-const SEEN_THROUGH = 0.35; // what lies around another surface
 
 /** Set up a job: the form is made from the process' own description. */
 export function NewJobPage({ query }: { query: URLSearchParams }) {
@@ -94,27 +91,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
   );
 
   const coil = useDrawnCoil(known);
-  const given = referencesIn(known);
-  const packed = hrefOf(known.package);
-  const contents = useLoaded(`results ${packed}`, async (signal) =>
-    packed ? shownMeshes(await getResults(packed.split("/")[3]!, signal), null) : {},
-  );
-  const triangles = useTriangles({ ...contents.value, ...given });
-  const names = Object.keys(triangles.meshes).sort(
-    (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
-  );
-  const surfaces = useMemo<Surface[]>(() => {
-    const colours = names.length === 1 ? { [names[0]!]: tissueColours(["skin"]).skin! } : tissueColours(names);
-    return names.map((name, place) => ({
-      name,
-      mesh: triangles.meshes[name]!.shown,
-      colour: colours[name]!,
-      visible: true,
-      opacity: place < names.length - 1 ? SEEN_THROUGH : 1,
-      closed: triangles.meshes[name]!.closed,
-      field: null,
-    }));
-  }, [triangles.meshes, names.join("\n")]);
+  const { surfaces, triangles, href, packed } = useInputSurfaces(known);
 
   const schemas = Object.fromEntries(Object.entries(inputs ?? {}).map(([name, one]) => [name, one.schema]));
   const placed = useMemo(() => findBoxes(schemas, known), [known, inputs]);
@@ -132,9 +109,8 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
 
   const layerInput = Object.entries(schemas).find(([, one]) => kindOf(one) === "layers");
   const layers = layerInput ? asLayers(known[layerInput[0]] ?? layerInput[1].default).map((layer) => layer.name) : [];
-  const first = names[0] && triangles.meshes[names[0]];
-  const shownHref = Object.values(given)[0] ?? "";
-  const mesh = meshes.items.find((one) => shownHref.endsWith(one.id));
+  const outermost = surfaces[0] && triangles.meshes[surfaces[0].name];
+  const mesh = meshes.items.find((one) => href.endsWith(one.id));
   const find = useMemo(() => (mesh ? () => findEars(mesh.id) : null), [mesh?.id]);
   const volume = meshes.items.find((one) => one.volume && hrefOf(known.volume).endsWith(one.id))?.volume;
   const context: FormContext = {
@@ -143,12 +119,10 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
     layers,
     surfaces: layerInput
       ? ["skin", ...layers, ...asTissues(known.tissues).map((tissue) => tissue.name)]
-      : packed
-        ? Object.keys(contents.value ?? {})
-        : Object.keys((known.meshes as object | undefined) ?? {}),
+      : (packed ?? Object.keys((known.meshes as object | undefined) ?? {})),
     arrays: mesh?.arrays.map((array) => array.name) ?? [],
     labels: volume?.labels.map((one) => one.label) ?? [],
-    bounds: first ? { min: first.min, max: first.max } : null,
+    bounds: outermost ? { min: outermost.min, max: outermost.max } : null,
     findEars: find,
     onLook: (point) => viewer?.gaze.flyTo(point),
     onPreview: setPreview,
@@ -165,7 +139,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
       setSending(false);
     }
   };
-  const waits = names.length === 0 && shownHref && triangles.loading && !triangles.failure;
+  const waits = surfaces.length === 0 && href && triangles.loading && !triangles.failure;
   return (
     <>
       <div class="heading">
@@ -182,7 +156,7 @@ export function NewJobPage({ query }: { query: URLSearchParams }) {
             onBox={moveBox}
             onViewer={setViewer}
             loading={waits ? "Loading the mesh…" : ""}
-            failure={names.length === 0 ? triangles.failure : ""}
+            failure={surfaces.length === 0 ? triangles.failure : ""}
             empty={volume ? "Surfaces are made of its labels." : "Choose a mesh to see it here."}
           />
           {placed.length > 0 && (

@@ -17,6 +17,7 @@ import { useFields } from "./fields_of";
 import { Findings } from "./findings";
 import { useLoaded } from "./loaded";
 import { Numbers } from "./numbers";
+import { outsideIn } from "./outside_in";
 import { useShownSurfaces } from "./shown_surfaces";
 import { ThinnedNote } from "./thinned_note";
 import { TissueTable } from "./tissue_table";
@@ -47,10 +48,7 @@ export function ResultView({ job }: { job: Job }) {
   const [withCoil, setWithCoil] = useState(true);
   const [beside, setBeside] = useState(false);
 
-  // from outside inwards, which is also the order they are drawn in
-  const names = Object.keys(triangles.meshes).sort(
-    (a, b) => Math.abs(triangles.meshes[b]!.volume_mm3) - Math.abs(triangles.meshes[a]!.volume_mm3),
-  );
+  const names = outsideIn(triangles.meshes);
   const colours = tissueColours(names);
   const measured = choice
     ? names.flatMap((name) => (fields[name] && surfaceIsShown(name, looks) ? [fields[name]] : []))
