@@ -51,8 +51,8 @@ COPY worker worker
 COPY --from=page /src/api/static api/static
 COPY --from=page /src/core/reports/viewer core/reports/viewer
 COPY --from=handbook /src/api/handbook api/handbook
-RUN --mount=type=cache,target=/uv-cache \
-    uv sync --frozen --no-default-groups --extra telemetry --no-editable
+# a cache that outlives this build knows our own wheels by pyproject.toml alone and would bring those of older sources
+RUN uv sync --no-cache --frozen --no-default-groups --extra telemetry --no-editable
 
 FROM ${PYTHON_IMAGE}
 LABEL org.opencontainers.image.title="Integument" \

@@ -213,7 +213,16 @@ def test_image_is_built_from_the_lock_file_without_tools_for_development() -> No
     assert [line for line in installs if "--group" in line] == [
         line for line in instructions("RUN", "handbook") if "--group docs" in line
     ]
-    assert len(instructions("RUN", "build")) == len(instructions("RUN", "dependencies")) == 1
+    assert len(instructions("RUN", "dependencies")) == 1
+
+
+def test_our_own_code_is_never_taken_from_a_cache() -> None:
+    """uv keeps what it built of a folder by the folder's pyproject.toml: a second build had the first one's code."""
+    (install,) = instructions("RUN", "build")
+    assert "--no-cache" in install
+    assert "--mount" not in install
+    others = [line for line in instructions("RUN") if "uv sync" in line and line != install]
+    assert all("--no-install-workspace" in line for line in others)
 
 
 def test_handbook_needs_nothing_its_stage_does_not_copy(tmp_path: Path) -> None:
