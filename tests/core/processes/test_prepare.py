@@ -20,6 +20,7 @@ from core.mesh import Mesh
 from core.package.read import read_package
 from core.schema.prepare import PrepareInputs
 from core.schema.report import Report
+from core.tetrahedra.tetgen_ways import Way
 from subjects.touching import closed_ring
 from tests.core.processes.preparing import BRAIN, CANAL, EYE, SKIN, TIP, WHITE, Attempt, report_in
 from tests.solids import flipped, sphere, together, without_faces
@@ -160,6 +161,18 @@ def test_every_step_may_be_left_out(tmp_path: Path) -> None:
     outcomes = {step.name: step.outcome for step in report_in(attempt.out).steps}
     assert {name for name, outcome in outcomes.items() if outcome == "done"} == {"layers", "validate"}
     assert {name for name, outcome in outcomes.items() if outcome == "not_needed"} == set(STEPS) - {"layers", "validate"}
+
+
+def test_gmsh_fills_what_tetgen_gives_up_on_and_the_report_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("core.tetrahedra.tetgen_ways.WAYS", (Way(0.5),))  # whole balls are flat to it
+    attempt = Attempt(tmp_path / "gmsh", {"skin": sphere(50.0, 2)})
+    assert attempt.run()["verdict"] == "simulation_ready"
+    report = report_in(attempt.out)
+    assert "tetrahedra.by_gmsh" in [finding.code for finding in report.findings]
+    assert "gmsh" in report.software
+    assert "tetgen" not in report.software
+    step = next(step for step in report.steps if step.name == "tetrahedra")
+    assert "by gmsh" in step.methods
 
 
 def test_parts_that_touch_are_set_apart_first(tmp_path: Path) -> None:
