@@ -12,6 +12,7 @@ from core.errors import IntegumentError
 from core.io.naming import make_unique
 from core.io.registry import read_meshes
 from core.mesh import Mesh
+from core.processes.given_volume import given_volume
 from core.processes.loaded_surfaces import load_surfaces
 from core.processes.named_input import load_input
 from core.processes.outcome import Outcome
@@ -45,7 +46,8 @@ def failure_outcome(process: str, payload: Mapping[str, Any], error: IntegumentE
             "summary": error.message,
             "findings": (*findings, *_others(looked_at.findings, findings)),
             **_methods(looked_at),
-            "parameters": known.parameters or {**_asked(payload["inputs"]), "sha256": _sources(payload)},
+            "parameters": known.parameters
+            or {**_asked(payload["inputs"]), "sha256": _sources(payload), **_volume(payload, error)},
             "software": software_versions(),
         }
     )
@@ -83,6 +85,13 @@ def _sources(payload: Mapping[str, Any]) -> dict[str, str]:
     return {
         name: str(entry["sha256"]) for name, entry in zip(names, payload["meshes"].values(), strict=True) if "sha256" in entry
     }
+
+
+def _volume(payload: Mapping[str, Any], error: IntegumentError) -> dict[str, Any]:
+    """What the label volume holds that the job was given, if it was one and no limit was reached."""
+    asked = payload["inputs"].get("volume")
+    held = {} if asked is None or error.fault == "limit" else given_volume(asked["href"], payload["meshes"])
+    return {"volume": held} if held else {}
 
 
 def _asked(inputs: Any) -> Any:

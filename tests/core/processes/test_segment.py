@@ -12,6 +12,7 @@ from core.errors import InputError
 from core.io.canonical_volume import load_volume
 from core.package.read import read_package
 from core.processes import intake
+from core.schema.report import Report
 from tests.core.io.nifti_bytes import nifti, packed, two_boxes
 from tests.core.processes.test_surface_processes import executed, href
 from tests.core.segmentation.labelled_solids import centred, oblique, spheres
@@ -105,3 +106,19 @@ def test_what_is_called_nifti_and_is_none_is_refused_as_such(tmp_path: Path) -> 
     with pytest.raises(InputError) as error:
         taken_in(tmp_path, b"solid but not really" * 30, "labels.nii")
     assert error.value.code == "nifti.header"
+
+
+def test_a_refused_request_shows_what_the_volume_holds(tmp_path: Path) -> None:
+    told = taken_in(tmp_path, packed(nifti(np.array(spheres((9.0, 6.0), AFFINE).labels), AFFINE)))
+    with pytest.raises(InputError) as refused:
+        executed("segment", tmp_path, {"volume": {"href": href(0)}, "names": {"1": "skin", "7": "bone"}}, entries(told))
+    assert refused.value.code == "segment.label_missing"
+    report = Report.model_validate_json((tmp_path / "out" / "report.json").read_bytes())
+    assert report.failure is not None
+    assert report.failure.code == "segment.label_missing"
+    volume = report.parameters["volume"]
+    assert list(volume["labels"]) == ["1", "2"]
+    assert volume["voxel_mm"] == [1.2, 1.0, 1.4]
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert 'Refused: <span class="reason">no voxel has the label 7' in page
+    assert "volume.labels.2" in page
