@@ -50,6 +50,7 @@ def test_outcomes_are_told_in_full_and_in_order(tmp_path: Path, shared_valkey: V
         expect(findings.get_by_role("button", name="Show place")).to_have_count(8)
         expect(page.get_by_role("cell", name="16,137.9")).to_be_visible()
         expect(page.get_by_role("button", name="skin.stl")).to_be_visible()
+        assert seen.barriers_everywhere() == []
         page.set_viewport_size(PHONE)  # type: ignore[arg-type]
         tops = [page.get_by_role("region", name=name).bounding_box() for name in ("View", "Findings", "Numbers")]
         assert all(tops)
@@ -63,4 +64,5 @@ def test_outcomes_are_told_in_full_and_in_order(tmp_path: Path, shared_valkey: V
         expect(page.get_by_role("row")).to_have_count(2)
         page.get_by_label("Status").select_option(label="done")
         expect(page.get_by_text("1 mesh, no errors")).to_be_visible()
+        assert seen.barriers_everywhere() == []
         seen.picture("outcome-jobs")
