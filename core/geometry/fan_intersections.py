@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from core.geometry.coincidence import group_equal_faces
 from core.geometry.degenerate import find_degenerate_faces
 from core.geometry.fans import MANY_FACES, find_pairs_in_fan
 from core.geometry.meeting_faces import do_meet
@@ -32,6 +33,8 @@ def find_intersections_of_fans(vertices: Vertices, faces: FaceRows, places: Ints
     """
     solid = np.ones(len(faces), dtype=np.bool_)
     solid[find_degenerate_faces(vertices, faces)] = False
+    first_alike = group_equal_faces(places)
+    solid &= first_alike == np.arange(len(faces))  # one of equal faces stands for all
     everything = Faces(vertices[faces], places)
     is_hub = _hubs(places)
     rows = np.flatnonzero(solid)
@@ -47,7 +50,20 @@ def find_intersections_of_fans(vertices: Vertices, faces: FaceRows, places: Ints
     ]
     near = np.unique(np.concatenate(parts), axis=0)
     meet = [do_meet(everything.corners, places, near[start : start + AT_ONCE]) for start in range(0, len(near), AT_ONCE)]
-    return near[np.concatenate(meet)] if meet else near
+    return _with_equals(near[np.concatenate(meet)], first_alike) if meet else near
+
+
+def _with_equals(pairs: Ints, first_alike: Ints) -> Ints:
+    """The pairs (K, 2) of faces that stand for all equal ones, and those of all they stand for; sorted."""
+    order = np.argsort(first_alike, kind="stable")
+    start = np.searchsorted(first_alike[order], pairs)
+    size = np.searchsorted(first_alike[order], pairs, side="right") - start
+    count = size.prod(axis=1)
+    row = np.repeat(np.arange(len(pairs)), count)
+    step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    of_second = size[row, 1]
+    both = np.column_stack((order[start[row, 0] + step // of_second], order[start[row, 1] + step % of_second]))
+    return np.unique(np.sort(both, axis=1), axis=0)
 
 
 def _hubs(places: Ints) -> Flags:

@@ -131,6 +131,20 @@ def test_faults_of_fans_are_those_of_comparing_all(name):
     assert len(found) > 0 or name == "all in one line are no faces"
 
 
+def test_equal_faces_meet_what_either_meets():
+    pierced = FAULTY["ball through the side"]
+    doubled = Mesh.of(pierced.vertices, np.vstack((pierced.faces, pierced.faces[:MORE], pierced.faces[:9, ::-1])))
+    found = by_fans(doubled)
+    assert found == all_with_all(doubled)
+    assert len(found) > len(by_fans(pierced))
+
+
+def test_a_face_there_a_thousand_times_takes_no_longer_for_it():
+    mesh = cone(MORE)
+    many = Mesh.of(mesh.vertices, np.vstack((mesh.faces, np.repeat(mesh.faces[:1], 1000, axis=0))))
+    assert by_fans(many) == []
+
+
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), grid=st.sampled_from([3, 8, 1000]), wild=st.booleans())
 def test_any_fan_is_judged_as_by_comparing_all(seed, grid, wild):
