@@ -9,6 +9,7 @@ from core.reports.wording import significant
 from core.schema.cohort import CohortSummary
 
 DIGITS = 4
+COLUMNS_ON_PAPER = 7  # beside subject, status and verdict on A4
 SHOWN_IN = {"_mm2": ("_cm2", 1e-2), "_mm3": ("_cm3", 1e-3)}  # of a body in mm these have more digits than anybody reads
 
 
@@ -18,6 +19,7 @@ def render_page(summary: CohortSummary) -> str:
         summary=summary,
         sentence=sentence(summary),
         columns=varying_columns(summary.rows),
+        columns_on_paper=COLUMNS_ON_PAPER,
         heading=_heading,
         number=_number,
         marked={(outlier.subject, outlier.column): outlier for outlier in summary.outliers},

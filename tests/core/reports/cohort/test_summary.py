@@ -132,7 +132,7 @@ def test_what_is_the_same_for_all_takes_no_column_of_the_table_of_subjects() -> 
     assert varying_columns(told.rows) == ["skin.volume_mm3"]
     page = render_page(told)
     assert page.count("<th>errors</th>") == 1, "in the table of what is usual"
-    assert page.count("<th>skin volume [cm³]</th>") == 2
+    assert page.count("<th>skin volume [cm³]</th>") == 3, "there, and among the subjects on the screen and on paper"
 
 
 def test_the_page_is_headed_by_how_many_are_ready_and_shows_volumes_as_people_read_them() -> None:
@@ -143,3 +143,15 @@ def test_the_page_is_headed_by_how_many_are_ready_and_shows_volumes_as_people_re
     assert "41\u202f624" in page
     assert "41\u202f624\u202f292" not in page
     assert "At 26\u202f756 faces it is too thin" in page
+
+
+def test_on_paper_no_table_of_subjects_is_wider_than_the_sheet() -> None:
+    inputs = CohortSummaryInputs(process="shells", name="Wide", subjects=tuple(map(subject, VOLUMES)))
+    numbers = {name: {f"n{column}": volume + column for column in range(20)} for name, volume in VOLUMES.items()}
+    page = render_page(summarize_cohort(inputs, numbers))
+    papers = [part.split("</table>")[0] for part in page.split('<div class="on-paper">')[1:]]
+    heads = [part.split("</thead>")[0].count("<th>") for part in papers]
+    assert heads == [8, 8, 7]  # the subject, and 20 numbers in all
+    assert all(f"<th>{name}</th>" in part for part in papers for name in VOLUMES)
+    same = render_page(summarize_cohort(inputs, {name: {"errors": 0} for name in VOLUMES}))
+    assert same.count('<div class="on-paper">') == 1
