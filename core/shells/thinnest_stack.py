@@ -23,6 +23,7 @@ FIRST_PUSH = 1.1  # of the gap
 HARDER = 1.25  # where that is not enough
 ATTEMPTS = 60
 SLIVER_QUALITY = 0.05  # a layer does not copy faces of the skin below this q
+POOR_QUALITY = 0.2  # below, smoothing was seen to make room: a skin with arms set apart had 0.06
 SLIVER_HEIGHT_MM = 0.1  # ... and lower than that
 SLIVER_ROUNDS = 10
 PATIENCE = 20  # attempts after which edges are collapsed also where pushing harder has not helped
@@ -99,7 +100,7 @@ def _no_room(skin: Mesh, sheet: Sheet, crowded: NDArray[np.int64], name: str, ga
     told = f"there is no room for layer '{name}' at a gap of {gap_mm:.3g} mm"
     lowest = float(quality(skin.vertices, skin.faces).min())
     slivers = f"better triangles may make room: `smooth` the skin, whose lowest quality is {lowest:.2g}; or " * (
-        lowest < SLIVER_QUALITY
+        lowest < POOR_QUALITY
     )
     return InputError(
         "shells.no_room",

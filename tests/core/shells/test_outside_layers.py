@@ -7,8 +7,11 @@ import pytest
 from pydantic import ValidationError
 
 from core.errors import InputError
+from core.geometry.quality import quality
 from core.shells.nested_shells import create_shells
+from core.shells.sheet import Sheet
 from core.shells.thickness import measure_thickness
+from core.shells.thinnest_stack import _no_room
 from subjects.body import body
 from subjects.corpus import foot, hand
 from subjects.generated.solid import bowl, gear, near_touching_fingers
@@ -90,6 +93,16 @@ def test_slits_without_room_for_the_gap_are_refused_with_places():
     assert refused.value.code == "shells.no_room"
     assert refused.value.findings[0].places
     assert "`smooth` the skin, whose lowest quality is 0.00045" in str(refused.value)
+
+
+@pytest.mark.parametrize(("flatness", "advised"), [(1.0, False), (0.2, True)])
+def test_a_refusal_advises_smoothing_where_triangles_are_poor(flatness, advised):
+    """Of a body with arms set apart the lowest quality was 0.06: no slivers, and smoothing made room all the same."""
+    ball = sphere(20.0)
+    skin = ball.with_vertices(ball.vertices * (1.0, 1.0, flatness))
+    refusal = _no_room(skin, Sheet.copy_of(skin.vertices, skin.faces), np.array([0]), "fat", 0.05)
+    assert quality(skin.vertices, skin.faces).min() > 0.05
+    assert ("`smooth` the skin" in refusal.message) == advised
 
 
 def test_region_has_its_own_distance_outside_too():
