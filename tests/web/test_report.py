@@ -145,3 +145,23 @@ def test_without_a_script_everything_else_is_there(browser: Browser, report_file
     assert page.locator("figure img").count() >= 3
     assert "needs JavaScript and WebGL 2" in page.locator("#scene-stage").inner_text()
     context.close()
+
+
+def test_paper_shows_the_surfaces_on_white_and_no_controls(browser: Browser, report_file: Path) -> None:
+    with opened(browser, report_file, DESK, dark=True) as seen:
+        page = into_sight(seen)
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        page.emulate_media(media="print")
+        paper = page.locator("canvas.printed.drawn")
+        assert paper.is_visible()
+        assert not page.locator(".viewer").is_visible()
+        corner, inked = paper.evaluate(
+            """canvas => {
+              const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+              let inked = 0;
+              for (let at = 0; at < pixels.length; at += 4) inked += pixels[at] < 200;
+              return [[...pixels.slice(0, 4)], inked];
+            }"""
+        )
+    assert corner == [255, 255, 255, 255]
+    assert inked > 1000

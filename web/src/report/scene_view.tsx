@@ -63,7 +63,11 @@ export function SceneView({ about, meshes, places }: { about: SceneAbout; meshes
 
   const paper = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
-    const print = () => paper.current && viewer?.copyTo(paper.current, "#ffffff");
+    const print = () => {
+      if (!paper.current || !viewer) return;
+      viewer.copyTo(paper.current, "#ffffff");
+      paper.current.className = "printed drawn"; // an empty one would leave a heading over nothing
+    };
     addEventListener("beforeprint", print);
     return () => removeEventListener("beforeprint", print);
   }, [viewer]);
