@@ -55,7 +55,7 @@ def test_every_step_has_its_section_and_figures_are_numbered_down_the_page():
     assert list(sections) == ["load", "layers"]  # what was not done has its line in the list, and no empty section
     assert "12\u202f345" in sections["load"]
     assert "3.142" in sections["load"]
-    assert "thin at the ear" in sections["layers"]
+    assert "Thin at the ear" in sections["layers"]
     assert "ab" * 32 in sections["layers"]
     assert '<th scope="row">3. Tetrahedra</th><td class="">not reached</td>' in html
     for name in sections:
