@@ -9,7 +9,7 @@ PAGE := api/static/index.html
 VIEWER := core/reports/viewer/viewer.js
 PAGE_SOURCES := $(shell find web -name node_modules -prune -o -type f -print)
 
-.PHONY: help demo serve test check docs bench clean web debian faults fuzz audit soak load
+.PHONY: help demo serve test check docs bench clean web kernels debian faults fuzz audit soak load
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
@@ -39,10 +39,14 @@ check: $(STAMP) ## style, types, import contracts, drift of openapi/
 docs: $(STAMP) ## build the documentation site, which the server shows at /handbook/; a link that leads nowhere is an error
 	$(BIN)/python scripts/docs.py
 
+kernels: $(STAMP) ## compile the kernels ahead of their first use, about a minute
+	$(BIN)/python -m core.processes.warm_up
+
 debian: $(STAMP) # a browser and libraries that the tests need
 	@$(BIN)/python scripts/debian_packages.py
 
-test: check $(PAGE) $(VIEWER) debian ## everything a release needs
+test: $(PAGE) $(VIEWER) debian ## everything a release needs
+	$(MAKE) --no-print-directory --jobs 2 check kernels
 	$(BIN)/python scripts/web.py test
 	$(BIN)/pytest --numprocesses 2 --max-worker-restart 0 --dist loadfile
 

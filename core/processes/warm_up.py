@@ -104,3 +104,7 @@ def _fields() -> None:
     """A point asked for in a tetrahedron; the distances to triangles are compiled with what all checks need."""
     corners = np.array([CUBE_CORNERS[corner] for corner in (0, 1, 2, 4)])
     TetrahedronTree.of(corners[None]).find(corners.mean(axis=0)[None])
+
+
+if __name__ == "__main__":  # `make kernels`
+    warm_up()

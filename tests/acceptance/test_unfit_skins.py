@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.mesh import Mesh
-from core.reports.prose import sentence
+from core.reports.prose import headline, sentence
 from subjects.body import body
 from tests.acceptance.service import Service
 from tests.solids import flipped, sphere, together, without_faces
@@ -63,7 +63,9 @@ def test_unfit_skin_fails_with_faces_and_a_report(service: Service, case: Case) 
 
     page = service.http.get(f"/v1/jobs/{job}/report", headers={"Accept": "text/html"})
     assert page.status_code == 200
-    assert sentence(report["summary"], {"skin"}) in unescape(page.text)
+    reason, rest = headline(report["summary"])
+    assert f'<span class="reason">{reason}</span>' in unescape(page.text)
+    assert sentence(rest, {"skin"}) in unescape(page.text)
 
     refusal = service.http.get(f"/v1/jobs/{job}/results")
     assert refusal.status_code == 422
