@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import pytest
 from playwright.sync_api import Browser, expect
 
 from store.job_words import JobWords
-from store.settings import Settings
 from store.workspace import DEFAULT_WORKSPACE
-from tests.api.live import Live, serving
+from tests.api.live import Live
 from tests.api.test_cohorts import zipped
 from tests.core.io.stl_bytes import binary_stl
-from tests.valkey import ValkeyServer
-from tests.web.browser import chromium, visit
+from tests.web.browser import visit
 
 HOSTILE = "<img src=x onerror=alert(1)>"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -> Iterator[Live]:
-    """No worker: what is asked for waits."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("page"), broker_url=shared_valkey.url, queue="tests-cohorts", port=0)
-    with serving(settings) as live:
-        yield live
 
 
 def test_jobs_are_found_beyond_those_that_are_shown(api: Live, browser: Browser) -> None:

@@ -3,35 +3,19 @@ what has to come before it can be used, and the processor time of its main threa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, CDPSession, expect
 
-from store.settings import Settings
-from tests.api.live import Live, serving
-from tests.valkey import ValkeyServer
-from tests.web.browser import chromium, visit
+from tests.api.live import Live
+from tests.web.browser import visit
 from tests.web.tracing import TASKS, main_thread_tasks_ms, traced
 
 FILES = {".html": 1, ".js": 2, ".css": 1}  # the document, the page with its 3D library, the style
 MOST_BYTES = 300_000  # as sent, packed: a quarter of a second at 10 Mbit/s
 MOST_MS = 500.0
 LONGEST_TASK_MS = 200.0
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -> Iterator[Live]:
-    folder = tmp_path_factory.mktemp("start")
-    with serving(Settings(data_dir=folder, broker_url=shared_valkey.url, queue="tests-start", port=0)) as live:
-        yield live
 
 
 @pytest.mark.parametrize("place", ["", "jobs", "new"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from datetime import timedelta
 from pathlib import Path
 
@@ -18,23 +17,9 @@ from store.workspace import DEFAULT_WORKSPACE
 from tests.api.live import Live, serving
 from tests.core.io.stl_bytes import binary_stl
 from tests.valkey import ValkeyServer
-from tests.web.browser import DESK, PHONE, chromium, visit, write
+from tests.web.browser import DESK, PHONE, visit, write
 
 HOSTILE = "<img src=x onerror=alert(1)>"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory: pytest.TempPathFactory, shared_valkey: ValkeyServer) -> Iterator[Live]:
-    """No worker: what is asked for waits."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("page"), broker_url=shared_valkey.url, queue="tests-page", port=0)
-    with serving(settings) as live:
-        yield live
 
 
 @pytest.mark.parametrize("place", ["", "new", "jobs", "cohorts", "nowhere", "jobs/{failed}", "compare?a={failed}&b={waiting}"])
