@@ -80,8 +80,11 @@ class GuardedConnection(HttpToolsProtocol):
         super().on_message_begin()
 
     def on_body(self, body: bytes) -> None:
-        if not self.cycle.body:  # what is added to no bytes is not copied, what is added to uvicorn's empty bytearray is
+        held = self.cycle.body
+        if not held:  # what is added to no bytes is not copied, what is added to uvicorn's empty bytearray is
             self.cycle.body = b""  # type: ignore[assignment]
+        elif isinstance(held, bytes):  # of many small chunks each would copy all before it
+            self.cycle.body = bytearray(held)
         super().on_body(body)
 
     def on_headers_complete(self) -> None:

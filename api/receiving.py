@@ -53,7 +53,7 @@ class Receiving:
 
     async def _receive(self, target: UploadTarget, upload: Upload) -> Upload:
         digest = self._checksum.new_digest() if self._checksum is not None else None
-        arrived = begun_at = upload.received
+        begun_at = upload.received
         writing, keeping = OneBehind(), OneBehind()
         try:
             async for chunks in self._body.pieces():
